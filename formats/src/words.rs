@@ -23,10 +23,11 @@ pub fn grouped(count: impl TryInto<u64>) -> String {
 pub fn plural(count: impl TryInto<u64>, name: &str) -> String {
     let count = count.try_into().unwrap_or(u64::MAX);
     let number = grouped(count);
-    match name.strip_suffix("ex") {
+    match (name.strip_suffix("ex"), name.strip_suffix("us")) {
         _ if count == 1 => format!("{number} {name}"),
-        Some(stem) => format!("{number} {stem}ices"),
-        None => format!("{number} {name}s"),
+        (Some(stem), _) => format!("{number} {stem}ices"),
+        (_, Some(stem)) => format!("{number} {stem}i"),
+        _ => format!("{number} {name}s"),
     }
 }
 
@@ -37,6 +38,7 @@ mod tests {
     #[test]
     fn one_thing_is_no_plural() {
         assert_eq!([0_u32, 1, 2].map(|n| plural(n, "hole")), ["0 holes", "1 hole", "2 holes"]);
+        assert_eq!([1_u64, 2].map(|n| plural(n, "torus")), ["1 torus", "2 tori"]);
         assert_eq!([1_u64, 20_000].map(|n| plural(n, "vertex")), ["1 vertex", "20,000 vertices"]);
     }
 

@@ -1,9 +1,9 @@
 //! The messages of `convert`: what it read, what each stage made, and the result.
 
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
-use scan2step::report::ScanSource;
+use scan2step::report::{ScanSource, SurfaceCounts};
 use scan2step::words::{grouped, mm, plain_mm, plural, repair, tolerance_reason};
-use scan2step::{Body, InputReport, Stage, SurfaceFit, TargetShape};
+use scan2step::{Body, BodyFit, ExactFit, InputReport, Stage, SurfaceFit, TargetShape};
 
 use super::args::{ComponentChoice, Convert};
 use super::input::ReadScan;
@@ -23,6 +23,7 @@ pub(crate) fn made(stage: &Stage) -> String {
             let mesh = mesh([disk.mesh.points.len(), disk.mesh.triangles.len()]);
             format!("{mesh}, {holes}")
         }
+        Stage::Regions(regions) => plural(regions.regions.len(), "region"),
         Stage::Fill(patch) if patch.rims.is_empty() => "nothing to fill".into(),
         Stage::Fill(patch) => {
             let filled = count(patch, |origin| matches!(origin, FaceOrigin::Hole(_)));
@@ -151,12 +152,39 @@ pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
         progress
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
     }
-    if !c.tolerance_named {
+    if let Some(exact) = c.exact() {
+        exact_faces(progress, &of_piece(args, &c.input), exact);
+    } else if !c.tolerance_named {
         progress.say(&format!(
             "{}tolerance: {}, {} (--tolerance to change)",
             of_piece(args, &c.input),
             mm(c.tolerance),
             tolerance_reason(c.tolerance, c.noise)
+        ));
+    }
+}
+
+/// Says why faces are exact, and what was moved or has become facets.
+fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
+    progress.say(&format!(
+        "{of}surfaces: exact, as the vertices lie on them within the rounding of the file (--surfaces spline to change)"
+    ));
+    for fallback in &exact.fallbacks {
+        let (kind, p) = (fallback.kind.name(), fallback.place);
+        progress.say(&format!(
+            "{of}facets: {} of a {kind} near ({:.3}, {:.3}, {:.3}), as {}",
+            plural(fallback.triangles, "triangle"),
+            p.x,
+            p.y,
+            p.z,
+            fallback.why
+        ));
+    }
+    if exact.facets > 0 {
+        progress.say(&format!(
+            "{of}facets: {} flat, as no surface was found that has their corners; {:.1} % of the area is exact",
+            if exact.facets == 1 { "1 face is".into() } else { format!("{} faces are", grouped(exact.facets)) },
+            100.0 * exact.explained
         ));
     }
 }
@@ -190,9 +218,14 @@ pub(crate) fn result(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
     let files: Vec<_> = files.map(|path| streams::shown(path)).collect();
     let of = of_piece(args, &c.input);
-    let (made, holes) = match c.face() {
-        Some(face) => made_face(c, face),
-        None => made_body(c),
+    let (made, holes) = match &c.fit {
+        BodyFit::Face(face) => made_face(c, face),
+        BodyFit::Network(_) => made_body(c),
+        BodyFit::Exact(_) => {
+            let within = mm(c.fit_deviation.max);
+            let made = format!("{}: {}; exact within {within}", made_body(c).0, kinds(c));
+            return progress.result(&format!("{of}{made} → {}", files.join(", ")));
+        }
     };
     progress.result(&format!(
         "{of}{made}, rms {}, max {}{holes} → {}",
@@ -215,6 +248,24 @@ fn made_face(c: &Body, face: &SurfaceFit) -> (String, String) {
     let cut = face.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count();
     let holes = format!(", {} cut out{filled}", plural(cut, "hole"));
     (format!("{m} × {n} control points"), holes)
+}
+
+/// The faces of each kind: "3 planes, a cone and a torus".
+fn kinds(body: &Body) -> String {
+    let of_kind: Vec<String> = SurfaceCounts::of(&body.brep)
+        .named()
+        .into_iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(kind, count)| match count {
+            1 => format!("a {kind}"),
+            _ => plural(count, kind),
+        })
+        .collect();
+    match of_kind.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+        None => String::new(),
+    }
 }
 
 /// What a body of several faces is, and what became of its gaps.

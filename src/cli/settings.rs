@@ -3,10 +3,10 @@
 use scan2step::mesh::Choice;
 use scan2step::report::Settings;
 use scan2step::stages::{fit, parameterize, smooth};
-use scan2step::{Cut, Options, TargetShape};
+use scan2step::{Cut, Options, SurfaceChoice, TargetShape};
 
 use super::Failure;
-use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice, ShapeChoice};
+use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice, ShapeChoice, SurfacesChoice};
 use super::cad;
 use super::input::{ReadScan, stopped};
 use super::places::NamedCorners;
@@ -48,6 +48,11 @@ pub(crate) fn options(args: &Convert) -> Result<Options, Failure> {
         .net(how.net)
         .handles(how.handles)
         .shape(shape(how.shape))
+        .surfaces(match how.surfaces {
+            SurfacesChoice::Auto => SurfaceChoice::Auto,
+            SurfacesChoice::Spline => SurfaceChoice::Spline,
+        })
+        .keep_polygons(how.keep_polygons)
         .faces(how.faces)
         .fit(match how.fit {
             Fit::Blend => fit::Method::Blend,
@@ -62,7 +67,8 @@ pub(crate) fn options(args: &Convert) -> Result<Options, Failure> {
         options = options.max_net(most);
     }
     match how.component {
-        ComponentChoice::Largest => {}
+        ComponentChoice::Auto => {}
+        ComponentChoice::Largest => options = options.component(Choice::Largest),
         ComponentChoice::Number(number) => options = options.component(Choice::Number(number)),
         ComponentChoice::All => options = options.all_components(true),
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::conversion::{Body, Part, placed};
+use super::exact::{self, Exact};
 use super::lengths::Shown;
 use super::shape::{TargetShape, shape};
 use super::{Conversion, Observer, Options, Stage, body, face, hints};
@@ -19,6 +20,23 @@ pub(super) fn converted(
     options: &Options,
     watch: &mut Observer,
 ) -> Result<Conversion> {
+    let mut fallback = None;
+    if exact::are_wanted(scan, options) {
+        let closed = with_voids(scan, exact::closed(scan, options))?;
+        match exact::exact(scan, &closed, options, watch)? {
+            Exact::Bodies(bodies) => return one(bodies, options, None),
+            Exact::Failed(why) => {
+                fallback = Some(format!("the exact faces make no valid solid: {why}"))
+            }
+            Exact::Unsuited => {}
+        }
+    }
+    let made = with_splines(scan, options, watch)?;
+    Ok(Conversion { fallback: made.fallback.or(fallback), ..made })
+}
+
+/// Converts the components that the options choose to B-spline faces.
+fn with_splines(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Conversion> {
     let chosen = options.chosen(scan);
     let faces = |shape| chosen.iter().map(|&component| (component, shape)).collect::<Shapes>();
     let shapes = shapes(scan, &chosen, options.shape)?;

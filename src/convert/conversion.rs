@@ -2,14 +2,18 @@
 
 use formats::Brep;
 use formats::brep::ShellId;
+use rayon::prelude::*;
 
 use super::{InputReport, TargetShape};
 use crate::deviation::{Deviation, FaceToScan, TrimmedFace, of_network};
 use crate::error::{BrepFault, Error, Result};
 use crate::geometry::Point;
-use crate::mesh::VertexMap;
+use crate::mesh::{Mesh, Triangles, VertexMap};
+use crate::primitives::Primitive;
 use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::adapt::Adapted;
+use crate::stages::regions::Snap;
+use crate::stages::seams::Fallback;
 use crate::stages::{fill, layout, net, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
 
@@ -89,6 +93,44 @@ pub enum BodyFit {
     Face(Box<SurfaceFit>),
     /// A network of surfaces that share edges.
     Network(Box<NetworkFit>),
+    /// The surfaces that a CAD program had.
+    Exact(Box<ExactFit>),
+}
+
+/// The exact faces of a clean mesh.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct ExactFit {
+    /// Each face, in the order of the B-rep.
+    pub faces: Vec<ExactFace>,
+    /// The mesh in mm.
+    pub mesh: Mesh,
+    /// For each triangle of the mesh its face.
+    pub of_triangle: Vec<u32>,
+    /// The number of faces that are only facets.
+    pub facets: usize,
+    /// The faces that were found, but became facets.
+    pub fallbacks: Vec<Fallback>,
+    /// What was moved within the rounding of the file.
+    pub snaps: Vec<Snap>,
+    /// The share of the area that is not facets.
+    pub explained: f64,
+}
+
+/// An exact face. Lengths are in mm.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct ExactFace {
+    /// The surface.
+    pub surface: Primitive,
+    /// Whether the surface is only the plane of facets.
+    pub is_facet: bool,
+    /// The root mean square distance of its vertices from the surface.
+    pub rms: f64,
+    /// The largest of these distances.
+    pub max: f64,
+    /// The number of its vertices.
+    pub points: usize,
 }
 
 /// One trimmed surface, and what its stages found.
@@ -149,6 +191,21 @@ pub struct Seams {
     pub max: f64,
 }
 
+impl ExactFit {
+    /// The distances of points from the faces. The triangles of the mesh tell which face is near, and where it ends.
+    fn distances(&self, points: &[Point]) -> Vec<f64> {
+        let triangles = Triangles::new(&self.mesh);
+        let face_at = |p: Point| self.of_triangle[triangles.nearest(p).1] as usize;
+        let distance = |&p: &Point| {
+            let (off, triangle) = triangles.nearest(p);
+            let face = self.of_triangle[triangle] as usize;
+            let foot = self.faces[face].surface.closest(p);
+            if face_at(foot) == face { (p - foot).norm() } else { off }
+        };
+        points.par_iter().map(distance).collect()
+    }
+}
+
 impl Conversion {
     /// The only body, if there is one.
     pub fn into_body(mut self) -> Option<Body> {
@@ -186,7 +243,7 @@ impl Body {
     pub fn face(&self) -> Option<&SurfaceFit> {
         match &self.fit {
             BodyFit::Face(face) => Some(face),
-            BodyFit::Network(_) => None,
+            BodyFit::Network(_) | BodyFit::Exact(_) => None,
         }
     }
 
@@ -194,15 +251,24 @@ impl Body {
     pub fn network(&self) -> Option<&NetworkFit> {
         match &self.fit {
             BodyFit::Network(network) => Some(network),
-            BodyFit::Face(_) => None,
+            BodyFit::Face(_) | BodyFit::Exact(_) => None,
         }
     }
 
-    /// The surfaces.
+    /// The exact faces and their figures, if the scan is a clean mesh.
+    pub fn exact(&self) -> Option<&ExactFit> {
+        match &self.fit {
+            BodyFit::Exact(exact) => Some(exact),
+            BodyFit::Face(_) | BodyFit::Network(_) => None,
+        }
+    }
+
+    /// The B-spline surfaces.
     pub fn surfaces(&self) -> &[Surface] {
         match &self.fit {
             BodyFit::Face(face) => std::slice::from_ref(&face.surface),
             BodyFit::Network(fit) => &fit.network.surfaces,
+            BodyFit::Exact(_) => &[],
         }
     }
 
@@ -216,6 +282,7 @@ impl Body {
     pub fn distances(&self, points: &[Point]) -> Vec<f64> {
         match &self.fit {
             BodyFit::Network(fit) => of_network(&fit.network, &fit.cut, points).distances,
+            BodyFit::Exact(fit) => fit.distances(points),
             BodyFit::Face(fit) => {
                 let loops = fit.loops.iter().map(|ring| ring.pcurves.as_slice());
                 let face = TrimmedFace::new(&fit.surface, loops, fit.outer.is_some());

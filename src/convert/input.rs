@@ -158,6 +158,23 @@ pub(crate) fn body(
     Ok((body, input))
 }
 
+/// Mesh → body with all its handles, in the lengths of the mesh.
+pub(crate) fn whole_body(
+    scan: &Components,
+    component: Choice,
+    shape: TargetShape,
+    options: &Options,
+) -> Result<(Disk, InputReport)> {
+    let chosen = match options.handles {
+        Some(_) => scan.take(component)?,
+        None => scan.take_whole(component)?,
+    };
+    let mut input = InputReport::new(scan, component, &chosen);
+    let mut body = chosen.into_own_body(&mut input.repairs)?;
+    body.turn(shape != TargetShape::Void, &mut input.repairs);
+    Ok((body, input))
+}
+
 /// Components of a scan as they were measured. Lengths are mm.
 #[derive(Debug, Clone)]
 #[non_exhaustive]

@@ -8,6 +8,7 @@ mod components;
 mod conversion;
 pub mod cut;
 mod estimate;
+mod exact;
 mod face;
 mod face_options;
 mod faces;
@@ -25,13 +26,15 @@ mod shape;
 mod stage;
 
 pub use cloud::{cloud_components, mesh_components};
-pub use conversion::{Body, BodyFit, Conversion, Missed, NetworkFit, Part, Seams, SurfaceFit};
+pub use conversion::{
+    Body, BodyFit, Conversion, ExactFace, ExactFit, Missed, NetworkFit, Part, Seams, SurfaceFit,
+};
 pub use cut::Cut;
 pub use estimate::BodyEstimate;
 pub use file::convert_file;
 pub use input::{InputReport, Inspection, Measured, PieceReport, inspect, measured};
 pub use memory::Memory;
-pub use options::{Builder, Options};
+pub use options::{Builder, Options, SurfaceChoice};
 pub use places::ScanPlace;
 pub use scan::{Scan, convert};
 pub use shape::{TargetShape, shape, voids};

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::mesh::{Disk, Patch, QuadMesh};
 use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::parameterize::{CompressedRegion, Parameterized};
+use crate::stages::regions::Regions;
 use crate::stages::{cloud, trim};
 
 /// A stage that has just ended, with what it made, or one that goes on.
@@ -25,6 +26,8 @@ pub enum Stage<'a> {
     Cloud(&'a cloud::Report),
     /// The cleaned mesh.
     Mesh(&'a Disk),
+    /// The exact regions of a clean mesh.
+    Regions(&'a Regions),
     /// The smoothed mesh.
     Smooth(&'a Disk),
     /// The mesh with its holes filled.
@@ -68,6 +71,7 @@ impl Stage<'_> {
             Stage::Begin { .. } => "begin",
             Stage::Cloud(_) => "cloud",
             Stage::Mesh(_) => "mesh",
+            Stage::Regions(_) => "regions",
             Stage::Smooth(_) => "smooth",
             Stage::Fill(_) => "fill",
             Stage::Parameterize(..) => "parameterize",

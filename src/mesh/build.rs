@@ -45,6 +45,8 @@ pub struct Build {
     /// The length in mm of one unit of `mesh`. It is the unit of the scan times the power of two
     /// that gives every scan the same size.
     pub mm: f64,
+    /// The length of the scan's unit in that of `mesh`: a power of two.
+    pub unit: f64,
     /// The adjacency of `mesh`.
     pub(super) edges: EdgeMap,
 }
@@ -69,6 +71,7 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
     let place = (0..welded.points.len() as u32).collect();
     let mut build = Build::new(Mesh { points: welded.points, triangles }, place, mm / factor);
+    build.unit = factor;
     build.vertices = welded.number;
     build.repairs = repairs;
     build.make_manifold();
@@ -134,7 +137,7 @@ impl Build {
     pub(super) fn new(mesh: Mesh, place: Vec<u32>, mm: f64) -> Self {
         let edges = EdgeMap::new(&mesh);
         let (vertices, twisted, repairs) = (Vec::new(), Vec::new(), Repairs::new());
-        Build { mesh, place, vertices, twisted, repairs, mm, edges }
+        Build { mesh, place, vertices, twisted, repairs, mm, unit: 1.0, edges }
     }
 
     /// Orients the triangles and opens what is not manifold, until everything is. The edge map must
@@ -282,7 +285,7 @@ impl Build {
         let place = old.into_iter().map(|v| self.place[v]).collect();
         let edges = self.edges.part(triangles);
         let (vertices, twisted, repairs) = (Vec::new(), Vec::new(), Repairs::new());
-        Build { mesh, place, vertices, twisted, repairs, mm: self.mm, edges }
+        Build { mesh, place, vertices, twisted, repairs, mm: self.mm, unit: self.unit, edges }
     }
 
     /// Drops vertices that no triangle uses. The others keep their order.

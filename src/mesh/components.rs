@@ -21,8 +21,10 @@ use crate::geometry::{Point, Vector, VertexId};
 /// The rule that selects the component to convert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
-    /// The component with the most triangles.
+    /// Of a clean mesh every closed component, and of any other one the largest.
     #[default]
+    Auto,
+    /// The component with the most triangles.
     Largest,
     /// The n-th largest component, counted from 0.
     Number(usize),
@@ -32,7 +34,7 @@ impl Choice {
     /// The number of the component, where the largest one is 0.
     pub(crate) fn number(self) -> usize {
         match self {
-            Choice::Largest => 0,
+            Choice::Auto | Choice::Largest => 0,
             Choice::Number(n) => n,
         }
     }
@@ -161,6 +163,25 @@ impl Components {
         self.build.mm
     }
 
+    /// The length of the scan's unit in that of the mesh.
+    pub(crate) fn unit(&self) -> f64 {
+        self.build.unit
+    }
+
+    /// Whether a component has two sides and no boundary. One that does not exist has neither.
+    pub(crate) fn is_closed(&self, component: Choice) -> bool {
+        let across =
+            |&t: &usize| (3 * t..3 * t + 3).all(|side| self.build.edges.across(side).is_some());
+        let number = component.number();
+        self.pieces.get(number).is_some_and(|piece| piece.iter().all(across))
+            && !self.twisted.contains(&number)
+    }
+
+    /// Which of these points each vertex of the scan became. They are points of the mesh, each at a place of its own.
+    pub(crate) fn vertices_of(&self, points: &[Point]) -> VertexMap {
+        VertexMap::new(&self.build, points)
+    }
+
     /// What was measured of a face that has these vertices: points of the cloud that the mesh was
     /// made of, or else the vertices themselves. They are points of the mesh, in its own lengths,
     /// each at a place of its own.
@@ -189,6 +210,15 @@ impl Components {
     /// # Errors
     /// [`Error::Component`] if there is no component with this number.
     pub fn take(&self, choice: Choice) -> Result<Component> {
+        self.extract(choice, true)
+    }
+
+    /// Extracts one component with all its handles: in a clean mesh they are bores.
+    pub(crate) fn take_whole(&self, choice: Choice) -> Result<Component> {
+        self.extract(choice, false)
+    }
+
+    fn extract(&self, choice: Choice, cuts_handles: bool) -> Result<Component> {
         let asked = choice.number();
         let piece =
             self.pieces.get(asked).ok_or(Error::Component { asked, count: self.count() })?;
@@ -200,7 +230,7 @@ impl Components {
         let orientable = !self.twisted.contains(&asked);
         let mut topology = Topology::new(&build.mesh, &build.edges, orientable);
         let mut cut_handles = Vec::new();
-        if orientable && topology.genus() > 0.0 {
+        if cuts_handles && orientable && topology.genus() > 0.0 {
             let named = self.handles.map(|longest| longest / self.mm());
             let of_cloud = self.raw.is_some();
             let lengths =
@@ -316,7 +346,8 @@ fn small_part(build: &Build, triangles: &[usize]) -> Build {
         points: old.iter().map(|&v| build.mesh.point(v)).collect(),
         triangles: corners.map(|t| t.map(number)).collect(),
     };
-    Build::new(mesh, old.iter().map(|v| build.place[v.index()]).collect(), build.mm)
+    let place = old.iter().map(|v| build.place[v.index()]).collect();
+    Build { unit: build.unit, ..Build::new(mesh, place, build.mm) }
 }
 
 /// The components that have only one side.

@@ -1,7 +1,7 @@
 //! The figures of one body.
 
 use super::{InputFigures, PatchFigures, ScanSource, ShapeFigures};
-use crate::convert::{Body, SurfaceFit};
+use crate::convert::{Body, BodyFit, SurfaceFit};
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
 use crate::spline::Surface;
@@ -143,8 +143,8 @@ pub struct MapFigures {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct FitFigures {
-    /// How the surface was fitted: as [`fit::Method`] says, "blend", "refined" or "global"; or, for several
-    /// faces, "subdivision".
+    /// How the surface was fitted: as [`fit::Method`] says, "blend", "refined" or "global"; for several
+    /// faces, "subdivision"; or "exact".
     pub method: &'static str,
     /// Degree along u and v.
     pub degree: [usize; 2],
@@ -274,7 +274,11 @@ impl BodyFigures {
             rim_tolerance_mm: face.map(|f| f.rim_tolerance),
             trim: face.map(trim),
             shape: ShapeFigures::of(body),
-            faces: body.network().map(|fit| PatchFigures::all(body, fit)),
+            faces: match &body.fit {
+                BodyFit::Face(_) => None,
+                BodyFit::Network(fit) => Some(PatchFigures::all(body, fit)),
+                BodyFit::Exact(fit) => Some(PatchFigures::exact(fit)),
+            },
         }
     }
 }
@@ -334,7 +338,11 @@ impl FitFigures {
         let face = body.face();
         let surface = face.map(|face| &face.surface);
         FitFigures {
-            method: face.map_or("subdivision", |face| fit_method(face.adapted.fit.method)),
+            method: match &body.fit {
+                BodyFit::Face(face) => fit_method(face.adapted.fit.method),
+                BodyFit::Network(_) => "subdivision",
+                BodyFit::Exact(_) => "exact",
+            },
             degree: surface.map_or([3, 3], |surface| [surface.u.degree(), surface.v.degree()]),
             net: surface.map(Surface::shape),
             deviation: DeviationFigures::of(&body.fit_deviation),

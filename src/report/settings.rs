@@ -4,7 +4,7 @@ use formats::{iges, step};
 
 use super::ScanSource;
 use super::figures::fit_method;
-use crate::convert::{Cut, Options, ScanPlace, TargetShape};
+use crate::convert::{Cut, Options, ScanPlace, SurfaceChoice, TargetShape};
 use crate::geometry::Point;
 use crate::mesh::{Choice, Outer};
 use crate::stages::parameterize;
@@ -63,13 +63,17 @@ pub struct Settings {
     pub above: Option<[f64; 4]>,
     /// Whether the plane under the object was left out.
     pub remove_plane: bool,
+    /// The surfaces of faces: "auto" or "spline".
+    pub surfaces: &'static str,
+    /// Whether prisms of few sides stay flat.
+    pub keep_polygons: bool,
     /// About how many faces a solid gets.
     pub faces: Option<usize>,
     /// Holes with a rim shorter than this, in mm, stay filled.
     pub fill_only_holes_below: Option<f64>,
     /// Whether all holes stay filled.
     pub keep_fills: bool,
-    /// Which component: "largest", "all" or a number.
+    /// Which component: "auto", "largest", "all" or a number.
     pub component: Setting<usize>,
     /// The schema of STEP files: "ap203", "ap214" or "ap242".
     pub schema: &'static str,
@@ -141,6 +145,11 @@ impl Settings {
             above: options.cloud.crop.above,
             remove_plane: options.cloud.crop.without_plane,
             handles: options.handles,
+            surfaces: match options.surfaces {
+                SurfaceChoice::Auto => "auto",
+                SurfaceChoice::Spline => "spline",
+            },
+            keep_polygons: options.keep_polygons,
             faces: options.faces,
             fill_only_holes_below: match options.cut {
                 Cut::FromLength(length) => Some(length),
@@ -149,6 +158,7 @@ impl Settings {
             keep_fills: options.cut == Cut::None,
             component: match options.component {
                 _ if options.all_components => Setting::Word("all"),
+                Choice::Auto => Setting::Word("auto"),
                 Choice::Largest => Setting::Word("largest"),
                 Choice::Number(n) => Setting::Value(n),
             },

@@ -1,9 +1,9 @@
 //! The figures of the shape that a scan became, and of each of its faces.
 
 use formats::Brep;
-use formats::brep::ShellId;
+use formats::brep::{BrepSurface, ShellId};
 
-use crate::convert::{Body, NetworkFit, Seams};
+use crate::convert::{Body, ExactFace, ExactFit, NetworkFit, Seams};
 
 /// The shape that a scan became.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,7 @@ pub struct ShapeFigures {
     pub fallback: Option<String>,
 }
 
-/// The number of surfaces of each kind. All are splines today.
+/// The number of faces on surfaces of each kind.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -59,6 +59,45 @@ pub struct SurfaceCounts {
     pub sphere: usize,
     /// Tori.
     pub torus: usize,
+    /// Surfaces of linear extrusion.
+    pub extrusion: usize,
+    /// Surfaces of revolution.
+    pub revolution: usize,
+}
+
+impl SurfaceCounts {
+    /// The kinds of the faces of a B-rep.
+    pub fn of(brep: &Brep) -> Self {
+        let mut counts = SurfaceCounts::default();
+        for face in &brep.faces {
+            *match brep.surfaces[face.surface.0] {
+                BrepSurface::Spline(_) => &mut counts.spline,
+                BrepSurface::Plane { .. } => &mut counts.plane,
+                BrepSurface::Cylinder { .. } => &mut counts.cylinder,
+                BrepSurface::Cone { .. } => &mut counts.cone,
+                BrepSurface::Sphere { .. } => &mut counts.sphere,
+                BrepSurface::Torus { .. } => &mut counts.torus,
+                BrepSurface::Extrusion { .. } => &mut counts.extrusion,
+                BrepSurface::Revolution { .. } => &mut counts.revolution,
+                _ => continue,
+            } += 1;
+        }
+        counts
+    }
+
+    /// Each kind with its number of faces.
+    pub fn named(&self) -> [(&'static str, usize); 8] {
+        [
+            ("plane", self.plane),
+            ("cylinder", self.cylinder),
+            ("cone", self.cone),
+            ("sphere", self.sphere),
+            ("torus", self.torus),
+            ("extrusion", self.extrusion),
+            ("revolution", self.revolution),
+            ("spline", self.spline),
+        ]
+    }
 }
 
 /// Angles between neighbouring faces, in degrees.
@@ -79,11 +118,12 @@ pub struct SeamFigures {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct PatchFigures {
-    /// The kind of its surface: "spline".
+    /// The kind of its surface: "spline", "plane", "cylinder", "cone", "sphere" or "torus".
     pub surface: &'static str,
-    /// The number of control points along u and v.
-    pub net: [usize; 2],
-    /// The root mean square distance of the smoothed points that are nearest to this face.
+    /// The number of control points along u and v; `None` if the surface has none.
+    pub net: Option<[usize; 2]>,
+    /// The root mean square distance of the smoothed points that are nearest to this face. Of an exact face: of
+    /// its vertices.
     pub rms_mm: f64,
     /// The largest of their distances.
     pub max_mm: f64,
@@ -120,7 +160,7 @@ impl ShapeFigures {
             vertices: brep.vertices.len(),
             irregular_vertices: 0,
             control_points: 0,
-            surfaces: SurfaceCounts { spline: brep.surfaces.len(), ..SurfaceCounts::default() },
+            surfaces: SurfaceCounts::of(brep),
             area_mm2: (0..brep.shells.len()).map(|shell| brep.area(ShellId(shell))).sum(),
             volume_mm3: None,
             seam_deg: SeamFigures::default(),
@@ -131,13 +171,25 @@ impl ShapeFigures {
 }
 
 impl PatchFigures {
+    /// The figures of all exact faces.
+    pub(super) fn exact(fit: &ExactFit) -> Vec<Self> {
+        let face = |face: &ExactFace| PatchFigures {
+            surface: face.surface.kind().name(),
+            net: None,
+            rms_mm: face.rms,
+            max_mm: face.max,
+            points: face.points,
+        };
+        fit.faces.iter().map(face).collect()
+    }
+
     /// The figures of all faces of a network.
     pub(super) fn all(body: &Body, fit: &NetworkFit) -> Vec<Self> {
         let face = |(number, face): (usize, &crate::spline::KeptFace)| {
             let surface = &fit.network.surfaces[face.surface];
             let (points, rms_mm, max_mm) = body.fit_deviation.of_face(number);
             let net = [surface.u.functions(), surface.v.functions()];
-            PatchFigures { surface: "spline", net, rms_mm, max_mm, points }
+            PatchFigures { surface: "spline", net: Some(net), rms_mm, max_mm, points }
         };
         fit.cut.faces.iter().enumerate().map(face).collect()
     }

@@ -105,7 +105,7 @@ impl ViewRecorder {
     pub fn view(self, body: &Body, parts: usize) -> Result<ReportView> {
         let disk = self.seen(body.fit_deviation.distances.len())?;
         let of_vertices = match &body.fit {
-            BodyFit::Face(_) => body.vertex_deviation(),
+            BodyFit::Face(_) | BodyFit::Exact(_) => body.vertex_deviation(),
             BodyFit::Network(fit) => &of_network(&fit.network, &fit.cut, &disk.mesh.points),
         };
         let distances = [signed(of_vertices), signed(&body.fit_deviation)];
@@ -128,6 +128,7 @@ impl ViewRecorder {
                 #[cfg(feature = "html")]
                 view.show_network(fit, disk.holes.len(), parts);
             }
+            BodyFit::Exact(_) => view.seams = seams(&body.brep),
             #[cfg(feature = "html")]
             BodyFit::Face(face) => view.show_face(face, body.trimmed.len(), parts),
             #[cfg(not(feature = "html"))]

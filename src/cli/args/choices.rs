@@ -65,6 +65,16 @@ pub enum ShapeChoice {
     Solid,
 }
 
+/// Which surfaces the faces get.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SurfacesChoice {
+    /// Planes, cylinders, cones, spheres and tori where a mesh of a CAD program has them; otherwise
+    /// B-splines
+    Auto,
+    /// B-splines
+    Spline,
+}
+
 /// Where the outer boundary goes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum OutlineChoice {

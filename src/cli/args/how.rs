@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::choices::{Fit, Iges, Map, OutlineChoice, ShapeChoice, StepSchema};
+use super::choices::{Fit, Iges, Map, OutlineChoice, ShapeChoice, StepSchema, SurfacesChoice};
 use super::colour::Colour;
 use super::headings::{ACCURACY, DETAILS, FILES, HOLES, RUN, SCAN, SHAPE};
 use super::numbers::{depth, extent, faces, max_net, net, percentage, positive, support};
@@ -15,6 +15,13 @@ pub struct How {
     /// What becomes of the scan
     #[arg(long, value_enum, default_value_t = ShapeChoice::Auto, help_heading = SHAPE)]
     pub shape: ShapeChoice,
+    /// Which surfaces the faces get. Options that only B-spline faces have (--net, --kappa, --depth, --fit,
+    /// --map, --outline, --corners, --faces, a length for --smooth) ask for spline
+    #[arg(long, value_enum, default_value_t = SurfacesChoice::Auto, help_heading = SHAPE)]
+    pub surfaces: SurfacesChoice,
+    /// Leave prisms of few sides flat where a cylinder has all their corners
+    #[arg(long, help_heading = SHAPE)]
+    pub keep_polygons: bool,
     /// Cut handles and tunnels whose loop is not longer, in mm, and close them; 0 cuts none
     /// [default: a few edges]
     #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true, help_heading = SHAPE)]
@@ -74,8 +81,9 @@ pub struct How {
     /// Fill all holes, and cut none out
     #[arg(long, help_heading = HOLES)]
     pub keep_fills: bool,
-    /// Component of the scan: largest, all, or a number (0 is the largest)
-    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component, help_heading = SCAN)]
+    /// Component of the scan: auto, largest, all, or a number (0 is the largest). By default every closed
+    /// piece of a clean mesh, and otherwise the largest
+    #[arg(long, value_name = "auto|largest|all|N", default_value = "auto", value_parser = component, help_heading = SCAN)]
     pub component: ComponentChoice,
     /// STEP schema
     #[arg(long, value_enum, default_value_t = StepSchema::Ap242, help_heading = FILES)]

@@ -14,7 +14,9 @@ use std::path::PathBuf;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueHint};
 use scan2step::mesh::Choice;
 
-pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps};
+pub use choices::{
+    Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps, SurfacesChoice,
+};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind, cad_file, report_file};
 pub use given::given;

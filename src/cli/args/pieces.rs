@@ -132,6 +132,7 @@ impl CloudArgs {
 /// Components of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ComponentChoice {
+    Auto,
     Largest,
     All,
     Number(usize),
@@ -141,6 +142,7 @@ impl ComponentChoice {
     /// The components that it names.
     pub fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
         match self {
+            ComponentChoice::Auto => vec![Choice::Auto],
             ComponentChoice::Largest => vec![Choice::Largest],
             ComponentChoice::Number(n) => vec![Choice::Number(n)],
             ComponentChoice::All => scan.all(outer),
@@ -150,18 +152,19 @@ impl ComponentChoice {
 
 pub fn component(text: &str) -> Result<ComponentChoice, String> {
     match text {
+        "auto" => Ok(ComponentChoice::Auto),
         "largest" => Ok(ComponentChoice::Largest),
         "all" => Ok(ComponentChoice::All),
         n => n
             .parse()
             .map(ComponentChoice::Number)
-            .map_err(|_| "not largest, all or a number".into()),
+            .map_err(|_| "not auto, largest, all or a number".into()),
     }
 }
 
 pub(crate) fn one_component(text: &str) -> Result<Choice, String> {
     match component(text) {
-        Ok(ComponentChoice::Largest) => Ok(Choice::Largest),
+        Ok(ComponentChoice::Auto | ComponentChoice::Largest) => Ok(Choice::Largest),
         Ok(ComponentChoice::Number(n)) => Ok(Choice::Number(n)),
         _ => Err("not largest or a number".into()),
     }

@@ -2,7 +2,7 @@
 
 use formats::LengthUnit;
 
-use super::Options;
+use super::{Options, SurfaceChoice};
 use crate::convert::{Cut, ScanPlace, TargetShape};
 use crate::error::Result;
 use crate::geometry::Point;
@@ -191,6 +191,19 @@ impl Builder {
     /// shape that suits them.
     pub fn shape(mut self, shape: impl Into<Option<TargetShape>>) -> Self {
         self.0.shape = shape.into();
+        self
+    }
+
+    /// Which surfaces the faces get. Options that only B-spline surfaces have ask for these
+    /// ([`Options::spline_option`]).
+    pub fn surfaces(mut self, surfaces: SurfaceChoice) -> Self {
+        self.0.surfaces = surfaces;
+        self
+    }
+
+    /// Whether prisms of few sides stay flat where a cylinder has all their corners.
+    pub fn keep_polygons(mut self, keeps: bool) -> Self {
+        self.0.keep_polygons = keeps;
         self
     }
 

@@ -44,6 +44,8 @@ pub struct Options {
     pub(crate) parameterize: parameterize::Options,
     pub(crate) knots: KnotOptions,
     pub(crate) shape: Option<TargetShape>,
+    pub(crate) surfaces: SurfaceChoice,
+    pub(crate) keep_polygons: bool,
     pub(crate) faces: Option<usize>,
     pub(crate) method: fit::Method,
     pub(crate) tolerance: Option<f64>,
@@ -53,6 +55,16 @@ pub struct Options {
     pub(crate) threads: Option<usize>,
     pub(crate) max_memory: Option<u64>,
     pub(crate) places: NamedPlaces,
+}
+
+/// Which surfaces the faces get.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SurfaceChoice {
+    /// Planes, cylinders, cones, spheres and tori where a clean mesh has them, and otherwise B-splines.
+    #[default]
+    Auto,
+    /// B-splines only.
+    Spline,
 }
 
 impl Default for Options {
@@ -71,6 +83,8 @@ impl Default for Options {
             parameterize: parameterize::Options::default(),
             knots: KnotOptions::default(),
             shape: None,
+            surfaces: SurfaceChoice::Auto,
+            keep_polygons: false,
             faces: None,
             method: fit::Method::default(),
             tolerance: None,
@@ -110,6 +124,24 @@ impl Options {
     /// Whether the result of a cloud lies in the scan's own frame.
     pub fn keeps_origin(&self) -> bool {
         self.keeps_origin
+    }
+
+    /// The option that asks for B-spline surfaces: only they have what it names. `None` if nothing does.
+    pub fn spline_option(&self) -> Option<&'static str> {
+        let (map, default) = (&self.parameterize, parameterize::Options::default());
+        let asking = [
+            (self.surfaces == SurfaceChoice::Spline, "surfaces"),
+            (self.knots.net.is_some(), "net"),
+            (self.knots.kappa.is_some(), "kappa"),
+            (self.knots.depth.is_some(), "depth"),
+            (self.method != fit::Method::default(), "fit"),
+            (map.method != default.method, "map"),
+            (map.outline.is_some(), "outline"),
+            (self.corners().is_some() || self.places.corners.is_some(), "corners"),
+            (self.faces.is_some(), "faces"),
+            (matches!(self.smooth.support, smooth::Support::Fixed(_)), "smooth"),
+        ];
+        asking.into_iter().find(|(is_asking, _)| *is_asking).map(|(_, option)| option)
     }
 
     /// The number of threads that share the work, if it is named.

@@ -40,6 +40,7 @@ pub use prisms::Prism;
 pub use result::{FaceRegion, RegionOrigin, Regions};
 pub use rounding::FileRounding;
 pub use snap::{Snap, SnapKind};
+pub(crate) use tessellation::MOST_ERRORS;
 pub use tessellation::Tessellation;
 
 use competition::Claims;

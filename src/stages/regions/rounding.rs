@@ -2,7 +2,7 @@
 
 use formats::Soup;
 
-use crate::geometry::{NONE, Point};
+use crate::geometry::{NONE, Point, bounds};
 use crate::mesh::Build;
 
 /// What a modelling kernel itself leaves open, as a share of the diagonal of the part. Kernels work to 1e-7 mm on
@@ -70,6 +70,15 @@ impl FileRounding {
             }
         }
         build.place.iter().map(|&place| by_place[place as usize]).collect()
+    }
+
+    /// The bounds of the errors of the vertices of a mesh whose numbers are those of its file times `unit`, in the
+    /// mesh's unit.
+    pub(crate) fn errors_of(points: &[Point], unit: f64) -> Vec<f64> {
+        let numbers: Vec<[f64; 3]> = points.iter().map(|p| (p / unit).into()).collect();
+        let [low, high] = bounds(points.iter().copied());
+        let (rounding, diagonal) = (FileRounding::of(&numbers), (high - low).norm() / unit);
+        numbers.into_iter().map(|p| unit * rounding.error(p, diagonal)).collect()
     }
 
     /// In words, for reports.

@@ -8,7 +8,7 @@ pub(super) const SLIVER: f64 = 4.0;
 
 /// A distance of a vertex to a true surface is at most so many errors: one is that of the file, the second is that of
 /// exporters which compute in the file's own precision.
-pub(super) const MOST_ERRORS: f64 = 2.0;
+pub(crate) const MOST_ERRORS: f64 = 2.0;
 
 /// A mesh as the file has it, with the errors of its vertices.
 pub struct Tessellation<'a> {

@@ -63,6 +63,8 @@ pub struct Fallback {
 pub struct Report {
     /// For each face of the solid the kind of its surface.
     pub kinds: Vec<PrimitiveKind>,
+    /// For each face its triangles and their surface.
+    pub patches: Vec<FacePatch>,
     /// The faces that are facets only.
     pub facets: usize,
     /// The faces that became facets here.
@@ -118,7 +120,7 @@ pub fn solid(
             Ok((brep, gap)) => {
                 let kinds = work.patches.iter().map(|p| p.surface.kind()).collect();
                 let facets = work.patches.iter().filter(|p| p.is_facet).count();
-                return Ok((brep, Report { kinds, facets, fallbacks, gap }));
+                return Ok((brep, Report { kinds, patches: work.patches, facets, fallbacks, gap }));
             }
             Err(fault) => work.give_up(&fault, &mut fallbacks)?,
         }
