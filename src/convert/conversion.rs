@@ -105,6 +105,8 @@ pub struct ExactFit {
     pub faces: Vec<ExactFace>,
     /// The mesh in mm.
     pub mesh: Mesh,
+    /// The length in mm of the unit of `snaps`.
+    pub(crate) mm: f64,
     /// For each triangle of the mesh its face.
     pub of_triangle: Vec<u32>,
     /// The number of faces that are only facets.
@@ -123,6 +125,8 @@ pub struct ExactFit {
 pub struct ExactFace {
     /// The surface.
     pub surface: Primitive,
+    /// +1 if the outside of the part is where the distance to the surface is positive, -1 otherwise.
+    pub side: f64,
     /// Whether the surface is only the plane of facets.
     pub is_facet: bool,
     /// The root mean square distance of its vertices from the surface.

@@ -168,7 +168,9 @@ fn body(
     let tolerance = options.tolerance.unwrap_or(regions::MOST_ERRORS * rounding);
     // Half a step of each of three numbers is a bound, and steps are spread evenly.
     let noise = rounding / 3.0;
-    let deviation = Deviation::of(&mesh.points, distances.of_vertices);
+    let outside = distances.of_vertices.iter().map(|d| *d > 0.0).collect();
+    let absolute = distances.of_vertices.iter().map(|d| d.abs()).collect();
+    let deviation = Deviation::of(&mesh.points, absolute).with_sides(outside);
     Ok(Ok(Body {
         input,
         smooth: smooth::Report { noise, ..smooth::Report::default() },
@@ -192,6 +194,7 @@ fn body(
             faces: distances.of_faces,
             of_triangle: distances.of_triangle,
             mesh,
+            mm,
             facets: report.facets,
             fallbacks: report.fallbacks,
             snaps: regions.snaps,
@@ -202,7 +205,7 @@ fn body(
 
 /// How far the vertices and the triangles of a mesh are from the surfaces of their faces.
 struct Distances {
-    /// For each vertex the largest distance from one of its surfaces.
+    /// For each vertex the largest distance from one of its surfaces, positive outside.
     of_vertices: Vec<f64>,
     of_faces: Vec<ExactFace>,
     /// For each triangle its face.
@@ -224,11 +227,13 @@ impl Distances {
             let mut squares = 0.0;
             let mut max = 0.0f64;
             for &v in &vertices {
-                let distance = patch.surface.distance(mesh.point(v)).0.abs();
+                let distance = patch.side * patch.surface.distance(mesh.point(v)).0;
                 let known = &mut of_vertices[v.index()];
-                *known = known.max(distance);
+                if distance.abs() > known.abs() {
+                    *known = distance;
+                }
                 squares += distance * distance;
-                max = max.max(distance);
+                max = max.max(distance.abs());
             }
             for &t in &patch.triangles {
                 of_triangle[t as usize] = number as u32;
@@ -237,8 +242,8 @@ impl Distances {
                 middles.push((middle, patch.surface.distance(middle).0.abs()));
             }
             let rms = (squares / vertices.len().max(1) as f64).sqrt();
-            let FacePatch { surface, is_facet, .. } = *patch;
-            of_faces.push(ExactFace { surface, is_facet, rms, max, points: vertices.len() });
+            let FacePatch { surface, side, is_facet, .. } = *patch;
+            of_faces.push(ExactFace { surface, side, is_facet, rms, max, points: vertices.len() });
         }
         let (points, distances): (Vec<Point>, Vec<f64>) = middles.into_iter().unzip();
         let found = Deviation::of(&points, distances);

@@ -68,7 +68,7 @@ impl Deviation {
     }
 
     /// The same with the points that are above the face.
-    fn with_sides(self, above: Vec<bool>) -> Self {
+    pub(crate) fn with_sides(self, above: Vec<bool>) -> Self {
         Deviation { above: Some(above), ..self }
     }
 

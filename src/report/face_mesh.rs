@@ -1,8 +1,11 @@
 //! The faces of a conversion as triangles, with what the page colours them by.
 
+use std::collections::HashMap;
+
+use super::exact_view::kind_of;
 use super::scale::SPREAD;
 use super::view::ReportView;
-use crate::convert::{NetworkFit, SurfaceFit};
+use crate::convert::{ExactFit, NetworkFit, SurfaceFit};
 use crate::geometry::{Uv, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::report::picture::scale::rounded_up;
@@ -77,6 +80,29 @@ impl FaceMesh {
             };
             let triangles = grid_triangles(us.len(), vs.len()).filter(is_kept);
             mesh.mesh.triangles.extend(triangles.map(|t| t.map(|k| VertexId::from(first + k))));
+        }
+        mesh
+    }
+
+    /// The triangles of exact faces, with the normals of their surfaces. The number of a face is that of its kind
+    /// ([`kind_of`]).
+    pub fn of_exact(fit: &ExactFit) -> FaceMesh {
+        let mut mesh = FaceMesh::empty();
+        let mut numbers = HashMap::new();
+        for (&face, &triangle) in fit.of_triangle.iter().zip(&fit.mesh.triangles) {
+            let of = &fit.faces[face as usize];
+            let number = |v: VertexId| {
+                *numbers.entry((face, v)).or_insert_with(|| {
+                    let p = fit.mesh.point(v);
+                    mesh.mesh.points.push(p);
+                    mesh.normals.push(of.side * of.surface.normal(p));
+                    mesh.curvatures.push((of.side * of.surface.curvature(p)) as f32);
+                    mesh.face_of.push(kind_of(of));
+                    VertexId::from(mesh.mesh.points.len() - 1)
+                })
+            };
+            let corners = triangle.map(number);
+            mesh.mesh.triangles.push(corners);
         }
         mesh
     }

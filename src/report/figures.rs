@@ -1,6 +1,6 @@
 //! The figures of one body.
 
-use super::{InputFigures, PatchFigures, ScanSource, ShapeFigures};
+use super::{ExactFigures, InputFigures, PatchFigures, ScanSource, ShapeFigures};
 use crate::convert::{Body, BodyFit, SurfaceFit};
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
@@ -49,6 +49,9 @@ pub struct BodyFigures {
     /// Each face, in the order of the B-rep.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub faces: Option<Vec<PatchFigures>>,
+    /// What exact faces are.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub exact: Option<ExactFigures>,
 }
 
 /// What smoothing did.
@@ -279,6 +282,7 @@ impl BodyFigures {
                 BodyFit::Network(fit) => Some(PatchFigures::all(body, fit)),
                 BodyFit::Exact(fit) => Some(PatchFigures::exact(fit)),
             },
+            exact: body.exact().map(ExactFigures::of),
         }
     }
 }

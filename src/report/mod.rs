@@ -16,6 +16,7 @@
 
 mod check;
 mod cloud;
+mod exact;
 mod figures;
 mod hints;
 mod input;
@@ -25,6 +26,8 @@ mod settings;
 mod shape;
 mod unused;
 
+#[cfg(feature = "picture")]
+mod exact_view;
 #[cfg(feature = "picture")]
 mod histogram;
 #[cfg(feature = "picture")]
@@ -55,6 +58,7 @@ mod scene;
 
 pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures, MeasuredComponents};
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
+pub use exact::{CylinderFigures, ExactFigures, FacetFigures, SnapFigures, SurfaceFigures};
 pub use figures::{
     BodyFigures, DeviationFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
     MapFigures, SmoothFigures, SurfaceFitFigures, ThinFigures, TrimFigures, TrimOf,

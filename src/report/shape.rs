@@ -3,6 +3,7 @@
 use formats::Brep;
 use formats::brep::{BrepSurface, ShellId};
 
+use super::SurfaceFigures;
 use crate::convert::{Body, ExactFace, ExactFit, NetworkFit, Seams};
 
 /// The shape that a scan became.
@@ -129,6 +130,9 @@ pub struct PatchFigures {
     pub max_mm: f64,
     /// The number of these points.
     pub points: usize,
+    /// The parameters of an exact surface.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub parameters: Option<SurfaceFigures>,
 }
 
 impl ShapeFigures {
@@ -179,6 +183,7 @@ impl PatchFigures {
             rms_mm: face.rms,
             max_mm: face.max,
             points: face.points,
+            parameters: Some(SurfaceFigures::of(&face.surface)),
         };
         fit.faces.iter().map(face).collect()
     }
@@ -189,7 +194,14 @@ impl PatchFigures {
             let surface = &fit.network.surfaces[face.surface];
             let (points, rms_mm, max_mm) = body.fit_deviation.of_face(number);
             let net = [surface.u.functions(), surface.v.functions()];
-            PatchFigures { surface: "spline", net: Some(net), rms_mm, max_mm, points }
+            PatchFigures {
+                surface: "spline",
+                net: Some(net),
+                rms_mm,
+                max_mm,
+                points,
+                parameters: None,
+            }
         };
         fit.cut.faces.iter().enumerate().map(face).collect()
     }

@@ -4,13 +4,14 @@ use std::io;
 
 use nalgebra::Vector3;
 
+use super::exact_view::{ExactView, KINDS};
 use super::histogram::Histogram;
 use super::scale::{Ends, short};
 use super::view::{ReportView, ViewFigures};
 use crate::deviation::Deviation;
 use crate::geometry::{Point, box_of};
 use crate::report::picture::canvas::Canvas;
-use crate::report::picture::colour::{BACKGROUND, DOTS, INK, encoded, linear, srgb};
+use crate::report::picture::colour::{BACKGROUND, DOTS, INK, TINTS, encoded, linear, srgb};
 use crate::report::picture::lines::{Lines, Pen};
 use crate::report::picture::scale::{SIGNED, colour};
 use crate::report::picture::text::{Style, Type};
@@ -59,8 +60,15 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
             page.image.lay(&side(views, &aside, ASIDE, end), [x, TOP]);
         }
     }
-    let distances = views.iter().flat_map(|view| view.measured.iter().copied());
+    let exact: Vec<&ExactView> = views.iter().filter_map(|view| view.exact.as_ref()).collect();
     let top = TOP + ASIDE[1] + 60;
+    if exact.len() == views.len() && !views.is_empty() {
+        page.kinds(&exact, [COLUMN, top]);
+        let mut bytes = Vec::new();
+        page.image.write(&mut bytes)?;
+        return Ok(bytes);
+    }
+    let distances = views.iter().flat_map(|view| view.measured.iter().copied());
     let histogram = Histogram::of(distances, end);
     page.histogram(&histogram, views, [COLUMN, top]);
     page.figures(views, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
@@ -105,6 +113,10 @@ fn within(views: &[ReportView]) -> f64 {
 fn side(views: &[ReportView], camera: &Camera, size: [usize; 2], end: f64) -> Image {
     let mut canvas = Canvas::new(size);
     for view in views {
+        if let Some(exact) = &view.exact {
+            sheet::draw_tinted(&mut canvas, &exact.mesh, camera, |t| exact.paint(t));
+            continue;
+        }
         let share = |v: crate::geometry::VertexId| {
             0.5 + 0.5 * f64::from(view.measured[view.scan.old[v.index()]]) / end
         };
@@ -122,6 +134,9 @@ fn side(views: &[ReportView], camera: &Camera, size: [usize; 2], end: f64) -> Im
         dots.ink(&mut canvas, linear(DOTS));
         let rims = sheet::rims(&canvas, &view.scan.mesh, view.rims.iter(), camera, Pen::solid(1.4));
         rims.ink(&mut canvas, linear(INK));
+        if view.exact.is_some() {
+            continue;
+        }
         let worst = ring(&canvas, camera, view.figures.measured.max_at.into());
         worst.ink(&mut canvas, linear(INK));
     }
@@ -181,6 +196,39 @@ impl Page {
         let line = format!("{vertices} points, {triangles} triangles  ·  {size}  ·  {made}");
         self.write_within(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
         self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
+    }
+
+    /// The kinds of exact faces with their colours, and the bores and shafts.
+    fn kinds(&mut self, views: &[&ExactView], [x, y]: [usize; 2]) {
+        const ROW: usize = 34;
+        self.write("Faces", [x as f32, y as f32 - 14.0], Style { bold: true, ..SMALL });
+        let mut row = y + 8;
+        let left = x as f32 + 34.0;
+        for (kind, name) in KINDS.iter().enumerate() {
+            let count: usize = views.iter().map(|view| view.counts[kind]).sum();
+            if count == 0 {
+                continue;
+            }
+            self.image.fill([x, row], [22, 22], srgb(TINTS[kind]));
+            self.write(&plural(count, name), [left, row as f32 + 18.0], SMALL);
+            row += ROW;
+        }
+        let rows: Vec<&String> = views.iter().flat_map(|view| &view.cylinders).collect();
+        if rows.is_empty() {
+            return;
+        }
+        row += ROW;
+        self.write("Bores and shafts", [x as f32, row as f32], Style { bold: true, ..SMALL });
+        let room = (SIZE[1] - MARGIN).saturating_sub(row) / ROW;
+        let shown = if rows.len() > room { room.saturating_sub(1) } else { rows.len() };
+        for text in &rows[..shown] {
+            row += ROW;
+            self.write_within(text, [x as f32, row as f32], SMALL);
+        }
+        if shown < rows.len() {
+            let more = format!("and {} more in the report", rows.len() - shown);
+            self.write(&more, [x as f32, (row + ROW) as f32], SMALL);
+        }
     }
 
     /// Bars in the colours of the map, over their scale.

@@ -2,13 +2,14 @@
 
 use std::collections::HashSet;
 
+use super::exact_view::ExactView;
 #[cfg(feature = "html")]
 use super::face_mesh::FaceMesh;
 #[cfg(feature = "html")]
 use super::plane::PlaneDrawing;
 #[cfg(feature = "html")]
 use crate::convert::SurfaceFit;
-use crate::convert::{Body, BodyFit, NetworkFit, Stage};
+use crate::convert::{Body, BodyFit, ExactFit, NetworkFit, Stage};
 use crate::deviation::{Deviation, of_network};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, VertexId};
@@ -53,6 +54,8 @@ pub struct ReportView {
     pub(super) seams: Vec<Vec<Point>>,
     /// The vertices at which other than four faces meet.
     pub(super) irregular: Vec<Point>,
+    /// The exact faces.
+    pub(super) exact: Option<ExactView>,
     /// The faces as triangles; `None` if they could not be triangulated.
     #[cfg(feature = "html")]
     pub(super) face: Option<FaceMesh>,
@@ -128,7 +131,12 @@ impl ViewRecorder {
                 #[cfg(feature = "html")]
                 view.show_network(fit, disk.holes.len(), parts);
             }
-            BodyFit::Exact(_) => view.seams = seams(&body.brep),
+            BodyFit::Exact(fit) => {
+                view.seams = seams(&body.brep);
+                view.exact = Some(ExactView::of(fit));
+                #[cfg(feature = "html")]
+                view.show_exact(fit, parts);
+            }
             #[cfg(feature = "html")]
             BodyFit::Face(face) => view.show_face(face, body.trimmed.len(), parts),
             #[cfg(not(feature = "html"))]
@@ -182,6 +190,7 @@ impl ReportView {
             figures,
             seams: Vec::new(),
             irregular: Vec::new(),
+            exact: None,
             scan,
             #[cfg(feature = "html")]
             outer_and_holes: [0, 0],
@@ -196,6 +205,14 @@ impl ReportView {
             #[cfg(feature = "html")]
             plane: None,
         }
+    }
+
+    /// Adds what only a page shows of exact faces.
+    #[cfg(feature = "html")]
+    fn show_exact(&mut self, fit: &ExactFit, parts: usize) {
+        self.edges = self.seams.iter().map(|seam| (None, seam.clone())).collect();
+        self.face = (fit.mesh.triangles.len() <= MOST_TRIANGLES / parts.max(1))
+            .then(|| FaceMesh::of_exact(fit));
     }
 
     /// Adds what only a page shows of a network.

@@ -45,6 +45,24 @@ pub fn draw_coloured(
     });
 }
 
+/// Draws a mesh with a colour for each triangle.
+pub(crate) fn draw_tinted(
+    canvas: &mut Canvas,
+    mesh: &Mesh,
+    camera: &Camera,
+    colour: impl Fn(usize) -> (Rgb, [Vector; 3]),
+) {
+    draw(canvas, mesh, camera, |number, w, normal, front| {
+        let (colour, normals) = colour(number);
+        // Curved faces look smooth, although their triangles are flat.
+        let smooth: Vector = w.iter().zip(normals).map(|(w, n)| *w * camera.turn(&n)).sum();
+        let smooth = smooth.try_normalize(0.0).unwrap_or(normal);
+        let (n, light) = if front { (smooth, 1.0) } else { (-normal, BACK) };
+        let shade = (light * (0.45 + 0.55 * brightness(&n))) as f32;
+        colour.map(|c| c * shade)
+    });
+}
+
 /// The boundary loops of a mesh.
 pub fn rims<'a>(
     canvas: &Canvas,

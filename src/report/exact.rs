@@ -1,0 +1,235 @@
+//! The figures of exact faces: the parameters of their surfaces, bores and shafts, what was snapped, and what stayed
+//! in facets.
+
+use crate::convert::ExactFit;
+use crate::geometry::{Point, Vector};
+use crate::primitives::Primitive;
+use crate::stages::regions::{Snap, SnapKind};
+use crate::stages::seams::Fallback;
+
+/// What exact faces are, and what is not exact.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct ExactFigures {
+    /// The percentage of the area whose surface was found.
+    pub explained_pct: f64,
+    /// Bores and shafts: cylinders, one for each axis and radius, the widest first.
+    pub cylinders: Vec<CylinderFigures>,
+    /// What was moved within the rounding of the file.
+    pub snaps: Vec<SnapFigures>,
+    /// Faces that were found, but became facets.
+    pub facets: Vec<FacetFigures>,
+}
+
+/// The parameters of a surface. Those that its kind does not have are `None`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SurfaceFigures {
+    /// "plane", "cylinder", "cone", "sphere" or "torus".
+    pub kind: &'static str,
+    /// A point of a plane or of an axis, or the centre of a sphere or a torus.
+    pub at: [f64; 3],
+    /// The normal of a plane, or the direction of an axis.
+    pub axis: Option<[f64; 3]>,
+    /// The radius; of a cone at `at`, and of a torus that of its circle.
+    pub radius_mm: Option<f64>,
+    /// The radius of the tube of a torus.
+    pub tube_radius_mm: Option<f64>,
+    /// The angle between the axis of a cone and its generators, in degrees.
+    pub half_angle_deg: Option<f64>,
+}
+
+/// A cylinder of a part.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct CylinderFigures {
+    /// "bore" if the material is outside of it, and otherwise "shaft".
+    pub kind: &'static str,
+    /// Its radius.
+    pub radius_mm: f64,
+    /// The middle of its axis.
+    pub at: [f64; 3],
+    /// The direction of its axis.
+    pub axis: [f64; 3],
+    /// Its extent along the axis.
+    pub length_mm: f64,
+    /// The faces that are on it, as positions in the list of faces.
+    pub faces: Vec<usize>,
+}
+
+/// What was moved within the rounding of the file.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SnapFigures {
+    /// The face, as a position in the list of faces.
+    pub face: u32,
+    /// What it was moved to: "axis of the world", "parallel", "perpendicular", "coaxial", "round place",
+    /// "round value" or "tangent".
+    pub to: &'static str,
+    /// The surface before.
+    pub before: SurfaceFigures,
+    /// The surface after.
+    pub after: SurfaceFigures,
+}
+
+/// A face that became facets.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct FacetFigures {
+    /// The kind of its surface.
+    pub surface: &'static str,
+    /// The number of its triangles.
+    pub triangles: usize,
+    /// A point of it.
+    pub at: [f64; 3],
+    /// Why.
+    pub why: String,
+}
+
+impl ExactFigures {
+    pub(super) fn of(fit: &ExactFit) -> Self {
+        ExactFigures {
+            explained_pct: 100.0 * fit.explained,
+            cylinders: cylinders(fit),
+            snaps: fit.snaps.iter().map(|snap| SnapFigures::of(snap, fit.mm)).collect(),
+            facets: fit.fallbacks.iter().map(FacetFigures::of).collect(),
+        }
+    }
+}
+
+impl SurfaceFigures {
+    pub(super) fn of(surface: &Primitive) -> Self {
+        let figures = SurfaceFigures {
+            kind: surface.kind().name(),
+            at: surface.origin().into(),
+            axis: surface.axis().map(<[f64; 3]>::from),
+            radius_mm: surface.radius(),
+            tube_radius_mm: None,
+            half_angle_deg: None,
+        };
+        match *surface {
+            Primitive::Plane { normal, .. } => {
+                SurfaceFigures { axis: Some(normal.into()), ..figures }
+            }
+            Primitive::Cone { radius, angle, .. } => SurfaceFigures {
+                radius_mm: Some(radius),
+                half_angle_deg: Some(angle.to_degrees()),
+                ..figures
+            },
+            Primitive::Torus { major, minor, .. } => {
+                SurfaceFigures { radius_mm: Some(major), tube_radius_mm: Some(minor), ..figures }
+            }
+            Primitive::Cylinder { .. } | Primitive::Sphere { .. } => figures,
+        }
+    }
+}
+
+impl SnapFigures {
+    fn of(snap: &Snap, mm: f64) -> Self {
+        let [before, after] =
+            [snap.before, snap.after].map(|surface| SurfaceFigures::of(&surface.scaled(mm)));
+        let to = match snap.kind {
+            SnapKind::World => "axis of the world",
+            SnapKind::Parallel => "parallel",
+            SnapKind::Perpendicular => "perpendicular",
+            SnapKind::Coaxial => "coaxial",
+            SnapKind::Place => "round place",
+            SnapKind::Value => "round value",
+            SnapKind::Tangent => "tangent",
+        };
+        SnapFigures { face: snap.region, to, before, after }
+    }
+}
+
+impl FacetFigures {
+    fn of(fallback: &Fallback) -> Self {
+        let Fallback { kind, triangles, place, why } = fallback;
+        FacetFigures {
+            surface: kind.name(),
+            triangles: *triangles,
+            at: (*place).into(),
+            why: why.clone(),
+        }
+    }
+}
+
+/// The bores and shafts.
+fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
+    let mut found: Vec<(Primitive, CylinderFigures)> = Vec::new();
+    let extents = extents(fit);
+    for (number, face) in fit.faces.iter().enumerate() {
+        let Primitive::Cylinder { radius, axis, .. } = face.surface else { continue };
+        let kind = if face.side < 0.0 { "bore" } else { "shaft" };
+        let [low, high] = extents[number];
+        let is_same = |(other, row): &(Primitive, CylinderFigures)| {
+            row.kind == kind && is_one(other, &face.surface, (high - low).norm())
+        };
+        if let Some((_, row)) = found.iter_mut().find(|row| is_same(row)) {
+            let middle = Point::from(row.at);
+            let half = 0.5 * row.length_mm * Vector::from(row.axis);
+            let along = |p: &Point| (p - middle).dot(&Vector::from(row.axis));
+            let ends = [low, high, middle - half, middle + half];
+            let [least, most] = [f64::min, f64::max]
+                .map(|of| ends.iter().map(along).reduce(of).unwrap_or_default());
+            row.at = (middle + 0.5 * (least + most) * Vector::from(row.axis)).into();
+            row.length_mm = most - least;
+            row.faces.push(number);
+            continue;
+        }
+        let row = CylinderFigures {
+            kind,
+            radius_mm: radius,
+            at: (low + 0.5 * (high - low)).into(),
+            axis: axis.into(),
+            length_mm: (high - low).norm(),
+            faces: vec![number],
+        };
+        found.push((face.surface, row));
+    }
+    let mut rows: Vec<CylinderFigures> = found.into_iter().map(|(_, row)| row).collect();
+    rows.sort_by(|a, b| b.radius_mm.total_cmp(&a.radius_mm));
+    rows
+}
+
+/// Surfaces that CAD programs take for one: they store lengths to so many mm.
+const SAME: f64 = 1e-6;
+
+/// Whether two cylinders are one, over a length.
+fn is_one(a: &Primitive, b: &Primitive, length: f64) -> bool {
+    let (
+        Primitive::Cylinder { origin, axis, radius },
+        Primitive::Cylinder { axis: other, radius: wide, .. },
+    ) = (*a, *b)
+    else {
+        return false;
+    };
+    let from_axis = |p: Point| (p - origin).cross(&axis).norm();
+    let at = b.origin();
+    (radius - wide).abs() <= SAME
+        && [at, at + length * other].into_iter().all(|p| from_axis(p) <= SAME)
+}
+
+/// The ends of the axis of each face.
+fn extents(fit: &ExactFit) -> Vec<[Point; 2]> {
+    let lines = fit.faces.iter().map(|face| {
+        let surface = &face.surface;
+        (surface.origin(), surface.axis().unwrap_or_else(Vector::z))
+    });
+    let lines: Vec<(Point, Vector)> = lines.collect();
+    let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); lines.len()];
+    for (&face, &triangle) in fit.of_triangle.iter().zip(&fit.mesh.triangles) {
+        let (origin, axis) = lines[face as usize];
+        let (low, high) = &mut ends[face as usize];
+        for corner in fit.mesh.corners(triangle) {
+            let along = (corner - origin).dot(&axis);
+            (*low, *high) = (low.min(along), high.max(along));
+        }
+    }
+    let points = |((origin, axis), (low, high))| [low, high].map(|h: f64| origin + h * axis);
+    lines.into_iter().zip(ends).map(points).collect()
+}
