@@ -133,10 +133,10 @@ pub mod threads;
 pub mod words;
 
 pub use convert::{
-    Body, BodyEstimate, BodyFit, Builder, Conversion, Cut, ExactFace, ExactFit, InputReport,
-    Inspection, Measured, Memory, Missed, NetworkFit, Observer, Options, Part, PieceReport, Scan,
-    ScanPlace, Seams, Stage, SurfaceChoice, SurfaceFit, TargetShape, cloud_components, convert,
-    convert_file, cut, inspect, measured, mesh_components, shape, voids,
+    Body, BodyEstimate, BodyFit, Builder, Conversion, Cut, ExactEstimate, ExactFace, ExactFit,
+    InputReport, Inspection, Measured, Memory, Missed, NetworkFit, Observer, Options, Part,
+    PieceReport, Scan, ScanPlace, Seams, Stage, SurfaceChoice, SurfaceFit, TargetShape,
+    cloud_components, convert, convert_file, cut, inspect, measured, mesh_components, shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

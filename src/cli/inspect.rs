@@ -1,8 +1,9 @@
 //! `scan2step inspect`: what a scan is.
 
+use scan2step::primitives::PrimitiveKind;
 use scan2step::report::{CloudFigures, InspectionFigures, ScanFigures, likely_unit};
 use scan2step::words::{box_extents, extents, grouped, mm, plural, repair, tolerance_reason};
-use scan2step::{Inspection, PieceReport, TargetShape};
+use scan2step::{ExactEstimate, Inspection, PieceReport, TargetShape};
 
 use super::args::Inspect;
 use super::input::{self, ReadScan};
@@ -79,7 +80,7 @@ fn as_text(scan: &ReadScan, found: &Inspection) -> String {
 
 /// The tolerance and the outline that a conversion chooses if nobody names them.
 fn choices(found: &Inspection) -> Vec<String> {
-    if found.shape.is_none() {
+    if found.shape.is_none() || found.exact.is_some() {
         return Vec::new();
     }
     let why = tolerance_reason(found.tolerance, found.noise);
@@ -150,6 +151,9 @@ fn kind(found: &Inspection) -> String {
 
 /// What a conversion makes of it.
 fn target(found: &Inspection) -> String {
+    if let Some(exact) = &found.exact {
+        return exact_target(exact);
+    }
     let faces = found
         .body
         .as_ref()
@@ -166,6 +170,17 @@ fn target(found: &Inspection) -> String {
         (_, Ok(())) => format!("a face, {why} (--shape to change)"),
         (_, Err(e)) => format!("nothing: {e}; {}", spelled(&e.help())),
     }
+}
+
+/// What a conversion makes of a clean mesh.
+fn exact_target(exact: &ExactEstimate) -> String {
+    let count = |kind: &PrimitiveKind| exact.kinds.iter().filter(|&of| of == kind).count();
+    let counts = PrimitiveKind::ALL.iter().map(|kind| (kind.name(), count(kind)));
+    let all = plural(exact.kinds.len() + exact.facets, "face");
+    let kinds = messages::kinds(counts.chain([("facet", exact.facets)]));
+    format!(
+        "a solid of {all}: {kinds}, as its vertices lie on them within the rounding of the file"
+    )
 }
 
 /// The number of holes, and of handles, that have a line of their own, so that the text fits on a screen.

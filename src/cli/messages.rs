@@ -223,7 +223,11 @@ pub(crate) fn result(progress: &ProgressDisplay, args: &Convert, c: &Body) {
         BodyFit::Network(_) => made_body(c),
         BodyFit::Exact(_) => {
             let within = mm(c.fit_deviation.max);
-            let made = format!("{}: {}; exact within {within}", made_body(c).0, kinds(c));
+            let made = format!(
+                "{}: {}; exact within {within}",
+                made_body(c).0,
+                kinds(SurfaceCounts::of(&c.brep).named())
+            );
             return progress.result(&format!("{of}{made} → {}", files.join(", ")));
         }
     };
@@ -250,12 +254,10 @@ fn made_face(c: &Body, face: &SurfaceFit) -> (String, String) {
     (format!("{m} × {n} control points"), holes)
 }
 
-/// The faces of each kind: "3 planes, a cone and a torus".
-fn kinds(body: &Body) -> String {
-    let of_kind: Vec<String> = SurfaceCounts::of(&body.brep)
-        .named()
-        .into_iter()
-        .filter(|(_, count)| *count > 0)
+/// Counts of kinds in words: "3 planes, a cone and a torus".
+pub(crate) fn kinds<'a>(counts: impl IntoIterator<Item = (&'a str, usize)>) -> String {
+    let counts = counts.into_iter().filter(|(_, count)| *count > 0);
+    let of_kind: Vec<String> = counts
         .map(|(kind, count)| match count {
             1 => format!("a {kind}"),
             _ => plural(count, kind),

@@ -9,7 +9,8 @@ use crate::deviation::{Deviation, FaceToScan};
 use crate::error::Result;
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Choice, Components, Mesh};
-use crate::stages::regions::{self, FileRounding, FlatPairs, Regions, Tessellation};
+use crate::primitives::PrimitiveKind;
+use crate::stages::regions::{self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation};
 use crate::stages::seams::{self, FacePatch};
 use crate::stages::{fill, smooth};
 
@@ -121,6 +122,32 @@ fn regions_of(
     Ok(Some(Found { component, shape, mesh, input, errors, regions }))
 }
 
+/// The exact faces that a conversion finds on a component.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct ExactEstimate {
+    /// The kind of each face, those that are only facets left out.
+    pub kinds: Vec<PrimitiveKind>,
+    /// The number of flat faces that are only facets.
+    pub facets: usize,
+}
+
+/// The exact faces of a component, if it is closed and clean and they are significant.
+pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<ExactEstimate>> {
+    let options = Options::default();
+    if !are_wanted(scan, &options) || !scan.is_closed(component) {
+        return Ok(None);
+    }
+    let found = regions_of(scan, component, TargetShape::Solid, &options)?;
+    Ok(found.map(|found| {
+        let regions = found.regions.regions.iter();
+        let (facets, faces): (Vec<_>, Vec<_>) =
+            regions.partition(|region| region.origin == RegionOrigin::Facet);
+        let kinds = faces.into_iter().map(|region| region.surface.kind()).collect();
+        ExactEstimate { kinds, facets: facets.len() }
+    }))
+}
+
 /// Whether regions explain most of a mesh.
 fn is_significant(regions: &Regions) -> bool {
     regions.explained > 0.5
@@ -145,7 +172,7 @@ fn body(
     let patches = regions.regions.iter().map(|region| FacePatch {
         surface: region.surface.scaled(mm),
         side: region.side,
-        is_facet: region.origin == regions::RegionOrigin::Facet,
+        is_facet: region.origin == RegionOrigin::Facet,
         triangles: region.triangles.clone(),
     });
     let named = seams::Options { name: options.name.clone() };

@@ -1,6 +1,7 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
 use super::estimate::{BodyEstimate, estimate};
+use super::exact::{self, ExactEstimate};
 use super::shape::{TargetShape, shape_and_reason};
 use crate::convert::Options;
 use crate::error::Result;
@@ -69,6 +70,8 @@ pub struct Inspection {
     pub is_ragged: Option<bool>,
     /// The largest components, if there are several.
     pub pieces: Vec<PieceReport>,
+    /// The exact faces that it has, if it is a closed clean mesh. There is then no other estimate.
+    pub exact: Option<ExactEstimate>,
     /// An estimate of a solid or a shell. `None` for a face, or if a conversion fails before it has a
     /// layout.
     pub body: Option<BodyEstimate>,
@@ -252,14 +255,21 @@ fn body_estimate(scan: &Components, component: Choice, shape: TargetShape) -> Op
 }
 
 fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
-    let chosen = scan.take(component)?;
+    let exact = exact::estimate(&scan, component)?;
+    let chosen = match exact {
+        Some(_) => scan.take_whole(component)?,
+        None => scan.take(component)?,
+    };
     let mut input = InputReport::new(&scan, component, &chosen);
     let sizes = scan.sizes();
     let raw_noise = scan.raw_points().map_or(0.0, RawPoints::noise);
     let (shape, reason) = shape_and_reason(&chosen);
     let is_refused = shape == TargetShape::Face && !chosen.topology.is_disk();
     let shape = (!is_refused).then_some(shape);
-    let body = shape.and_then(|shape| body_estimate(&scan, component, shape));
+    let body = match exact {
+        Some(_) => None,
+        None => shape.and_then(|shape| body_estimate(&scan, component, shape)),
+    };
     let pieces = pieces(&scan)?;
     drop(scan);
     let (mesh, mm) = (chosen.own_mesh(), chosen.mm());
@@ -278,6 +288,7 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         tolerance: mm * Goal::of_scan(mesh, noise, found.is_visible).tolerance,
         is_ragged: outer_loop.filter(|_| is_face).map(|outer| is_ragged(mesh, &rings[outer])),
         pieces,
+        exact,
         body,
         input: input.clone(),
     };

@@ -31,6 +31,7 @@ pub use conversion::{
 };
 pub use cut::Cut;
 pub use estimate::BodyEstimate;
+pub use exact::ExactEstimate;
 pub use file::convert_file;
 pub use input::{InputReport, Inspection, Measured, PieceReport, inspect, measured};
 pub use memory::Memory;

@@ -18,6 +18,15 @@ pub enum PrimitiveKind {
 }
 
 impl PrimitiveKind {
+    /// All kinds.
+    pub const ALL: [PrimitiveKind; 5] = [
+        PrimitiveKind::Plane,
+        PrimitiveKind::Cylinder,
+        PrimitiveKind::Cone,
+        PrimitiveKind::Sphere,
+        PrimitiveKind::Torus,
+    ];
+
     /// The number of parameters of such a surface.
     pub(crate) fn parameters(self) -> usize {
         match self {

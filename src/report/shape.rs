@@ -43,7 +43,7 @@ pub struct ShapeFigures {
     pub fallback: Option<String>,
 }
 
-/// The number of faces on surfaces of each kind.
+/// The number of surfaces of each kind.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -67,11 +67,11 @@ pub struct SurfaceCounts {
 }
 
 impl SurfaceCounts {
-    /// The kinds of the faces of a B-rep.
+    /// The surfaces of a B-rep.
     pub fn of(brep: &Brep) -> Self {
         let mut counts = SurfaceCounts::default();
-        for face in &brep.faces {
-            *match brep.surfaces[face.surface.0] {
+        for surface in &brep.surfaces {
+            *match surface {
                 BrepSurface::Spline(_) => &mut counts.spline,
                 BrepSurface::Plane { .. } => &mut counts.plane,
                 BrepSurface::Cylinder { .. } => &mut counts.cylinder,
