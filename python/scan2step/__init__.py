@@ -10,7 +10,7 @@ faces, or a watertight solid. Lengths are millimetres, whatever the unit of the 
 >>> made.write("relief.step")  # doctest: +SKIP
 """
 
-from ._conversion import Arc, Conversion, Curve, Face, Loop
+from ._conversion import Arc, Conversion, Curve, Cylinder, Ellipse, Face, Loop, Surface
 from ._errors import (
     FileError,
     FillError,
@@ -30,6 +30,8 @@ __all__ = [
     "Arc",
     "Conversion",
     "Curve",
+    "Cylinder",
+    "Ellipse",
     "Face",
     "FileError",
     "FillError",
@@ -40,6 +42,7 @@ __all__ = [
     "Scan",
     "Scan2StepError",
     "ScanError",
+    "Surface",
     "TopologyError",
     "TrimError",
     "__version__",

@@ -5,10 +5,11 @@ from __future__ import annotations
 import base64
 import html
 import json
+import math
 import os
 import time
 import uuid
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple, Union
 
 from . import _scan2step
 from ._errors import FileError, OptionError
@@ -24,7 +25,7 @@ Colour = Optional[Tuple[int, int, int]]
 
 
 class Curve(NamedTuple):
-    """A B-spline curve in the parameter plane of a face, or in space."""
+    """A B-spline curve in the parameter plane of a face, or in space. A line has the degree 1."""
 
     #: The degree.
     degree: int
@@ -34,13 +35,58 @@ class Curve(NamedTuple):
     control_points: Floats
 
 
+class Ellipse(NamedTuple):
+    """A part of an ellipse or a circle: ``centre + cos(t) * axes[0] + sin(t) * axes[1]``."""
+
+    #: The first and the last t.
+    range: Tuple[float, float]
+    #: The centre: (2,) in the parameter plane, or (3,) in mm.
+    centre: Floats
+    #: The half axes: (2, 2) or (2, 3).
+    axes: Floats
+
+
+class Surface(NamedTuple):
+    """The kind of a surface and its parameters. Those that the kind does not have are ``None``."""
+
+    #: ``"spline"``, ``"plane"``, ``"cylinder"``, ``"cone"``, ``"sphere"`` or ``"torus"``.
+    kind: str
+    #: A point of the plane or of the axis, or the centre, in mm.
+    at: Optional[Tuple[float, float, float]] = None
+    #: The normal of the plane, or the direction of the axis.
+    axis: Optional[Tuple[float, float, float]] = None
+    #: The radius in mm; of a cone that at ``at``, and of a torus that of its circle.
+    radius: Optional[float] = None
+    #: The radius of the tube of a torus in mm.
+    tube_radius: Optional[float] = None
+    #: The angle between the axis of a cone and its generators, in degrees.
+    half_angle: Optional[float] = None
+
+
+class Cylinder(NamedTuple):
+    """A bore or a shaft of a part."""
+
+    #: ``"bore"`` if the material is outside of it, and otherwise ``"shaft"``.
+    kind: str
+    #: The radius in mm.
+    radius: float
+    #: The middle of its axis.
+    at: Tuple[float, float, float]
+    #: The direction of its axis.
+    axis: Tuple[float, float, float]
+    #: Its extent along the axis in mm.
+    length: float
+    #: The number of faces on it.
+    faces: int
+
+
 class Arc(NamedTuple):
     """An edge as a part of a loop."""
 
     #: The edge in the parameter plane of the face.
-    pcurve: Curve
+    pcurve: Union[Curve, Ellipse]
     #: The edge in space. It has the parameters of ``pcurve``. Two faces that meet share it.
-    edge: Curve
+    edge: Union[Curve, Ellipse]
     #: Whether the loop runs along the curves. Otherwise it runs against them.
     forward: bool
 
@@ -55,10 +101,30 @@ class Loop(NamedTuple):
 
 
 class Face:
-    """A trimmed B-spline face of a :class:`Conversion`. Arrays are read-only views."""
+    """A trimmed face of a :class:`Conversion`. Arrays are read-only views.
+
+    Only a B-spline face has control points, knots and a degree; others raise a ``ValueError``.
+    """
 
     def __init__(self, made: _scan2step.Face) -> None:
         self._made = made
+
+    @property
+    def surface(self) -> Surface:
+        """The kind of the surface, and its parameters."""
+        kind, frame, numbers = self._made.parameters
+        if frame is None:
+            return Surface(kind)
+        at, _, _, axis = (tuple(row) for row in frame)
+        half_angle = math.degrees(numbers[1]) if kind == "cone" else None
+        return Surface(
+            kind,
+            at,
+            None if kind == "sphere" else axis,
+            numbers[0] if numbers else None,
+            numbers[1] if kind == "torus" else None,
+            half_angle,
+        )
 
     @property
     def control_points(self) -> Floats:
@@ -84,7 +150,7 @@ class Face:
     def loops(self) -> List[Loop]:
         """The loops that bound the face: the outer one, then those of holes."""
         return [
-            Loop(k > 0, [Arc(Curve(*pcurve), Curve(*edge), forward) for pcurve, edge, forward in loop])
+            Loop(k > 0, [Arc(_curve(*pcurve), _curve(*edge), forward) for pcurve, edge, forward in loop])
             for k, loop in enumerate(self._made.loops)
         ]
 
@@ -103,6 +169,9 @@ class Face:
         return self._made.normals(_floats(uv))
 
     def __repr__(self) -> str:
+        kind = self._made.parameters[0]
+        if kind != "spline":
+            return f"<scan2step.Face {kind}>"
         m, n, _ = self.control_points.shape
         return f"<scan2step.Face {m} × {n} control points>"
 
@@ -126,6 +195,15 @@ class Conversion:
     def faces(self) -> List[Face]:
         """The faces."""
         return [Face(self._made.face(k)) for k in range(self._made.face_count)]
+
+    def cylinders(self) -> List[Cylinder]:
+        """The bores and shafts of a part with exact faces, the widest of each body first."""
+        report = self.report
+        return [
+            Cylinder(row["kind"], row["radius_mm"], tuple(row["at"]), tuple(row["axis"]), row["length_mm"], len(row["faces"]))
+            for body in report.get("components", [report])
+            for row in body.get("exact", {}).get("cylinders", [])
+        ]
 
     @property
     def tolerance(self) -> float:
@@ -315,6 +393,12 @@ class Conversion:
 
     def __reduce__(self) -> Any:
         raise TypeError("a Conversion cannot be pickled: return step() and report")
+
+
+def _curve(degree: int, knots: Floats, points: Floats) -> Union[Curve, Ellipse]:
+    if degree > 0:
+        return Curve(degree, knots, points)
+    return Ellipse((float(knots[0]), float(knots[1])), points[0], points[1:])
 
 
 def _floats(numbers: Any) -> Floats:

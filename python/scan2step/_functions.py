@@ -23,7 +23,9 @@ def convert(
     tolerance: Optional[float] = None,
     units: Optional[str] = None,
     name: Optional[str] = None,
-    component: Union[str, int] = "largest",
+    component: Union[str, int] = "auto",
+    surfaces: str = "auto",
+    keep_polygons: bool = False,
     face_count: Optional[int] = None,
     handles: Optional[float] = None,
     keep_fills: bool = False,
@@ -67,7 +69,11 @@ def convert(
     :param units: the unit of the scan's numbers: ``"mm"``, ``"cm"``, ``"m"``, ``"in"``, ``"ft"``.
         Without, what the file declares, else mm.
     :param name: the part's name in CAD files. Without, the name of the scan's file.
-    :param component: ``"largest"``, ``"all"``, or a number (0 is the largest).
+    :param component: ``"largest"``, ``"all"``, or a number (0 is the largest). ``"auto"`` takes every closed piece of a
+        mesh that a CAD program made, and otherwise the largest.
+    :param surfaces: ``"auto"`` finds planes, cylinders, cones, spheres and tori on such a mesh; ``"spline"`` makes
+        B-splines.
+    :param keep_polygons: leave prisms of few sides flat where a cylinder has all their corners.
     :param face_count: about how many faces a solid or a shell gets.
     :param handles: cut handles whose loop is not longer, and close them. Without: a few edges.
     :param keep_fills: fill all holes, and cut none out.

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use scan2step::formats::LengthUnit;
 use scan2step::mesh::Choice;
 use scan2step::stages::{fit, parameterize, smooth};
-use scan2step::{Builder, Cut, Options, ScanPlace, TargetShape};
+use scan2step::{Builder, Cut, Options, ScanPlace, SurfaceChoice, TargetShape};
 
 use crate::errors::Failure;
 
@@ -84,13 +84,20 @@ fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
                 ],
             )?)
         }
+        "surfaces" => builder.surfaces(word(
+            "surfaces",
+            &value.extract::<String>()?,
+            &[("auto", SurfaceChoice::Auto), ("spline", SurfaceChoice::Spline)],
+        )?),
+        "keep_polygons" => builder.keep_polygons(value.extract()?),
         "face_count" => builder.faces(value.extract::<Option<usize>>()?),
         "handles" => builder.handles(value.extract::<Option<f64>>()?),
         "component" => match value.extract::<usize>() {
             Ok(number) => builder.component(Choice::Number(number)),
             Err(_) => {
                 let largest = value.extract::<String>()?;
-                builder.component(word("component", &largest, &[("largest", Choice::Largest)])?)
+                let words = [("auto", Choice::Auto), ("largest", Choice::Largest)];
+                builder.component(word("component", &largest, &words)?)
             }
         },
         "outer" => builder

@@ -31,7 +31,10 @@ pub(super) fn converted(
             Exact::Unsuited => {}
         }
     }
-    let made = with_splines(scan, options, watch)?;
+    let mut made = with_splines(scan, options, watch)?;
+    if let Some(body) = made.parts.iter_mut().flat_map(|part| &mut part.bodies).next() {
+        body.hints.extend(exact::left_for_splines(scan, options)?);
+    }
     Ok(Conversion { fallback: made.fallback.or(fallback), ..made })
 }
 

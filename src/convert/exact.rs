@@ -13,6 +13,7 @@ use crate::primitives::PrimitiveKind;
 use crate::stages::regions::{self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation};
 use crate::stages::seams::{self, FacePatch};
 use crate::stages::{fill, smooth};
+use crate::words::plural;
 
 /// What became of the try to find exact faces.
 pub(super) enum Exact {
@@ -145,6 +146,18 @@ pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<Ex
             regions.partition(|region| region.origin == RegionOrigin::Facet);
         let kinds = faces.into_iter().map(|region| region.surface.kind()).collect();
         ExactEstimate { kinds, facets: facets.len() }
+    }))
+}
+
+/// Says so if an option that only B-spline faces have keeps a component from exact faces.
+pub(super) fn left_for_splines(scan: &Components, options: &Options) -> Result<Option<String>> {
+    let Some(option) = options.spline_option().filter(|option| *option != "surfaces") else {
+        return Ok(None);
+    };
+    let exact = estimate(scan, options.component)?;
+    Ok(exact.map(|exact| {
+        let faces = plural(exact.kinds.len() + exact.facets, "face");
+        format!("the faces are B-splines, as only these have a --{option}; without it, this is an exact solid of {faces}")
     }))
 }
 
