@@ -64,9 +64,9 @@ class Surface(NamedTuple):
 
 
 class Cylinder(NamedTuple):
-    """A bore or a shaft of a part."""
+    """A cylinder of a part: a bore, a shaft, a fillet or a round edge."""
 
-    #: ``"bore"`` if the material is outside of it, and otherwise ``"shaft"``.
+    #: If it goes all around ``"bore"`` where the material is outside, or ``"shaft"``; otherwise ``"fillet"`` or ``"round"``.
     kind: str
     #: The radius in mm.
     radius: float
@@ -197,7 +197,7 @@ class Conversion:
         return [Face(self._made.face(k)) for k in range(self._made.face_count)]
 
     def cylinders(self) -> List[Cylinder]:
-        """The bores and shafts of a part with exact faces, the widest of each body first."""
+        """The cylinders of a part with exact faces: bores, shafts, fillets and round edges, the widest first."""
         report = self.report
         return [
             Cylinder(row["kind"], row["radius_mm"], tuple(row["at"]), tuple(row["axis"]), row["length_mm"], len(row["faces"]))

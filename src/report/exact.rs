@@ -1,8 +1,10 @@
 //! The figures of exact faces: the parameters of their surfaces, bores and shafts, what was snapped, and what stayed
 //! in facets.
 
+use std::f64::consts::{PI, TAU};
+
 use crate::convert::ExactFit;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, plane_axes};
 use crate::primitives::Primitive;
 use crate::stages::regions::{Snap, SnapKind};
 use crate::stages::seams::Fallback;
@@ -46,7 +48,8 @@ pub struct SurfaceFigures {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct CylinderFigures {
-    /// "bore" if the material is outside of it, and otherwise "shaft".
+    /// If it goes all around: "bore" where the material is outside of it, and otherwise "shaft". If it does not: "fillet"
+    /// and "round".
     pub kind: &'static str,
     /// Its radius.
     pub radius_mm: f64,
@@ -56,6 +59,8 @@ pub struct CylinderFigures {
     pub axis: [f64; 3],
     /// Its extent along the axis.
     pub length_mm: f64,
+    /// The angle that its faces cover, in degrees.
+    pub sweep_deg: f64,
     /// The faces that are on it, as positions in the list of faces.
     pub faces: Vec<usize>,
 }
@@ -187,11 +192,23 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
             at: (low + 0.5 * (high - low)).into(),
             axis: axis.into(),
             length_mm: (high - low).norm(),
+            sweep_deg: 0.0,
             faces: vec![number],
         };
         found.push((face.surface, row));
     }
-    let mut rows: Vec<CylinderFigures> = found.into_iter().map(|(_, row)| row).collect();
+    let arcs = arcs(fit);
+    let named = |(_, row): (Primitive, CylinderFigures)| {
+        let covered =
+            covered(row.faces.iter().flat_map(|&face| arcs[face].iter().copied()).collect());
+        let kind = match (covered >= TAU, row.kind) {
+            (false, "bore") => "fillet",
+            (false, _) => "round",
+            (true, kind) => kind,
+        };
+        CylinderFigures { kind, sweep_deg: covered.to_degrees(), ..row }
+    };
+    let mut rows: Vec<CylinderFigures> = found.into_iter().map(named).collect();
     rows.sort_by(|a, b| b.radius_mm.total_cmp(&a.radius_mm));
     rows
 }
@@ -232,4 +249,42 @@ fn extents(fit: &ExactFit) -> Vec<[Point; 2]> {
     }
     let points = |((origin, axis), (low, high))| [low, high].map(|h: f64| origin + h * axis);
     lines.into_iter().zip(ends).map(points).collect()
+}
+
+/// For each face on a cylinder the angles of its triangles about the axis, from 0 to 2π, as first and last angle. The
+/// last one may be beyond 2π. All faces on one cylinder count from the same direction.
+fn arcs(fit: &ExactFit) -> Vec<Vec<[f64; 2]>> {
+    let mut arcs = vec![Vec::new(); fit.faces.len()];
+    for (&face, &triangle) in fit.of_triangle.iter().zip(&fit.mesh.triangles) {
+        let Primitive::Cylinder { origin, axis, .. } = fit.faces[face as usize].surface else {
+            continue;
+        };
+        // The axes of two faces on one cylinder may be opposite.
+        let axis = if axis[axis.iamax()] < 0.0 { -axis } else { axis };
+        let (x, y) = plane_axes(axis);
+        let angles = fit.mesh.corners(triangle).map(|p| {
+            let off = p - origin;
+            off.dot(&y).atan2(off.dot(&x))
+        });
+        let from = |angle: f64| (angle - angles[0] + PI).rem_euclid(TAU) - PI;
+        let low = angles.map(from).into_iter().fold(0.0, f64::min);
+        let high = angles.map(from).into_iter().fold(0.0, f64::max);
+        let start = (angles[0] + low).rem_euclid(TAU);
+        arcs[face as usize].push([start, start + high - low]);
+    }
+    arcs
+}
+
+/// How much of a turn some arcs cover, up to 2π. Gaps of the size of rounding errors are none.
+fn covered(mut arcs: Vec<[f64; 2]>) -> f64 {
+    arcs.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let Some(first) = arcs.first().map(|arc| arc[0]) else { return 0.0 };
+    let (mut end, mut gaps) = (first, 0.0);
+    for [start, stop] in arcs.into_iter().chain([[first + TAU; 2]]) {
+        if start > end + SAME {
+            gaps += start - end;
+        }
+        end = end.max(stop);
+    }
+    TAU - gaps
 }

@@ -45,7 +45,8 @@ impl ExactView {
             let normals = fit.mesh.corners(triangle).map(|p| face.side * face.surface.normal(p));
             (kind_of(face), normals)
         };
-        let cylinders = ExactFigures::of(fit).cylinders.into_iter().map(|row| {
+        let found = ExactFigures::of(fit).cylinders.into_iter();
+        let cylinders = found.map(|row| {
             let [x, y, z] = row.at.map(|x| format!("{x:.3}"));
             format!(
                 "{} of radius {}, {} long, at ({x}, {y}, {z})",

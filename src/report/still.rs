@@ -218,7 +218,7 @@ impl Page {
             return;
         }
         row += ROW;
-        self.write("Bores and shafts", [x as f32, row as f32], Style { bold: true, ..SMALL });
+        self.write("Cylinders", [x as f32, row as f32], Style { bold: true, ..SMALL });
         let room = (SIZE[1] - MARGIN).saturating_sub(row) / ROW;
         let shown = if rows.len() > room { room.saturating_sub(1) } else { rows.len() };
         for text in &rows[..shown] {
