@@ -1,8 +1,8 @@
 //! Prints the regions of CAD exports: kinds, radii, the triangles explained, and the seconds of CPU time, as a line of
-//! JSON for each file.
+//! JSON for each file. With `--faces` it lists all faces with their parameters, with `--details` also the mesh.
 //!
 //! ```sh
-//! cargo run --example regions -- part.stl other.obj
+//! cargo run --example regions -- [--faces] part.stl other.obj
 //! ```
 
 use std::error::Error;
@@ -18,14 +18,15 @@ use scan2step::stages::regions::{
 use serde_json::{Value, json};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let details = std::env::args().any(|a| a == "--details");
+    let is_given = |flag: &str| std::env::args().any(|a| a == flag);
+    let (details, faces) = (is_given("--details"), is_given("--faces"));
     for file in std::env::args().skip(1).filter(|a| !a.starts_with("--")) {
-        println!("{}", line(Path::new(&file), details)?);
+        println!("{}", line(Path::new(&file), details, faces)?);
     }
     Ok(())
 }
 
-fn line(file: &Path, details: bool) -> Result<Value, Box<dyn Error>> {
+fn line(file: &Path, details: bool, faces: bool) -> Result<Value, Box<dyn Error>> {
     let soup = read_scan(file)?;
     let build = from_soup(&soup, 1.0)?;
     let start = ThreadTime::now();
@@ -49,6 +50,8 @@ fn line(file: &Path, details: bool) -> Result<Value, Box<dyn Error>> {
         "diagonal": build.mesh.diagonal() * build.mm,
         "pairs": [pairs.exact, pairs.near],
         "clean": pairs.is_clean(),
+        "significant": regions.significant,
+        "is_significant": regions.is_significant(),
         "plane": count(PrimitiveKind::Plane),
         "cylinder": count(PrimitiveKind::Cylinder),
         "cone": count(PrimitiveKind::Cone),
@@ -62,6 +65,14 @@ fn line(file: &Path, details: bool) -> Result<Value, Box<dyn Error>> {
         "seconds": [prepared, seconds],
         "cylinders": cylinders(&regions, build.mm),
     });
+    if faces {
+        let area = |&t: &u32| build.mesh.area_vector(build.mesh.triangles[t as usize]).norm() / 2.0;
+        let listed = regions.regions.iter().map(|r| {
+            let area: f64 = r.triangles.iter().map(area).sum();
+            face(r, area * build.mm * build.mm, build.mm)
+        });
+        value["faces"] = listed.collect();
+    }
     if details {
         value["regions"] = regions.regions.iter().map(|r| described(r, build.mm)).collect();
         value["of_triangle"] = json!(regions.of_triangle);
@@ -89,6 +100,44 @@ fn cylinders(regions: &Regions, mm: f64) -> Value {
         _ => None,
     };
     regions.regions.iter().filter_map(round).collect()
+}
+
+fn face(region: &FaceRegion, area: f64, mm: f64) -> Value {
+    let surface = region.surface.scaled(mm);
+    let list = |v: &[f64]| json!(v);
+    let (origin, axis) = match surface {
+        Primitive::Plane { origin, normal } => (origin, Some(normal)),
+        Primitive::Cylinder { origin, axis, .. } | Primitive::Cone { origin, axis, .. } => {
+            (origin, Some(axis))
+        }
+        Primitive::Sphere { centre, .. } => (centre, None),
+        Primitive::Torus { centre, axis, .. } => (centre, Some(axis)),
+    };
+    let mut value = json!({
+        "kind": surface.kind().name(),
+        "origin_of": format!("{:?}", region.origin),
+        "area": area,
+        "triangles": region.triangles.len(),
+        "origin": list(origin.coords.as_slice()),
+        "axis": axis.map(|a| list(a.as_slice())),
+        "side": region.side,
+    });
+    match surface {
+        Primitive::Plane { .. } => {}
+        Primitive::Cylinder { radius, .. } | Primitive::Sphere { radius, .. } => {
+            value["radius"] = radius.into();
+        }
+        Primitive::Cone { axis, radius, angle, .. } => {
+            value["radius"] = radius.into();
+            value["angle"] = angle.into();
+            value["apex"] = list((origin - radius / angle.tan() * axis).coords.as_slice());
+        }
+        Primitive::Torus { major, minor, .. } => {
+            value["radius"] = minor.into();
+            value["major"] = major.into();
+        }
+    }
+    value
 }
 
 fn described(region: &FaceRegion, mm: f64) -> Value {

@@ -71,8 +71,8 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     let facets = FacetMesh::of(mesh);
     let count = facets.all.len();
     let mut evidence = ExactFacets { mesh, facets, slack: 1.0, closed: vec![false; count] };
-    let generous =
-        if FlatPairs::of(mesh).is_clean() == Some(true) { most_slack(mesh) } else { 1.0 };
+    let pairs = FlatPairs::of(mesh);
+    let generous = if pairs.is_clean() == Some(true) { most_slack(mesh) } else { 1.0 };
     let mut claims = Claims { regions: Vec::new(), of: vec![NONE; count], generous };
     loop {
         for _ in 0..MOST_SEARCHES {
@@ -106,7 +106,7 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     let count = evidence.facets.all.len();
     let mut marks = RegionMarks::new(count, mesh.errors.len());
     let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, &mut marks);
-    let mut result = result::gathered(&evidence, &claims);
+    let mut result = result::gathered(&evidence, &claims, pairs);
     result.prisms = prisms;
     result.snaps = snap::snap(mesh, &mut result, options.unit);
     result

@@ -3,11 +3,12 @@
 use super::competition::Claims;
 use super::exact::{ExactFacets, MOST_TURN};
 use super::growth::{Evidence, GrownRegion};
+use super::precision::FlatPairs;
 use super::prisms::Prism;
 use super::snap::Snap;
 use crate::geometry::NONE;
 use crate::geometry::sets::Sets;
-use crate::primitives::{Covariance, FitOptions, FitSample, Motions, Primitive, fit};
+use crate::primitives::{Covariance, FitOptions, FitSample, Motions, Primitive, PrimitiveKind, fit};
 
 /// What a region is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,10 +54,45 @@ pub struct Regions {
     pub prisms: Vec<Prism>,
     /// The share of the area that belongs to curved and flat faces, not to left-over facets.
     pub explained: f64,
+    /// How many pairs of neighbouring triangles are flat within the rounding, and how many nearly so.
+    pub pairs: FlatPairs,
+    /// The share of the area that belongs to faces which chance does not explain: see [`Regions::is_significant`].
+    pub significant: f64,
+}
+
+/// The exact faces are the part if they are most of it: what is left then are a few faces of other kinds.
+const MOST_OF_IT: f64 = 0.5;
+
+impl Regions {
+    /// Whether the mesh is a clean tessellation most of whose area belongs to exact faces: a CAD export. False for scans,
+    /// for remeshed and smoothed models, and for free-form models.
+    ///
+    /// Curved faces count, because each passed a test of significance. Flat ones count if they hold more vertices than
+    /// determine a plane and the mesh has more pairs that are flat within the rounding than pairs that are nearly so. A mesh
+    /// that has next to no such pairs is one of creases; there, faces count that have nothing but creases around them. No
+    /// face counts if the pairs are those of noise.
+    pub fn is_significant(&self) -> bool {
+        self.significant > MOST_OF_IT
+    }
+}
+
+/// Whether chance does not explain a region.
+fn is_significant(evidence: &ExactFacets, pairs: &FlatPairs, region: &FaceRegion) -> bool {
+    let has_more = region.vertices.len() > PrimitiveKind::Plane.parameters();
+    match (region.origin, pairs.is_clean()) {
+        (RegionOrigin::Facet, _) | (_, Some(false)) => false,
+        (RegionOrigin::Curved, _) => true,
+        (RegionOrigin::Flat, Some(true)) => has_more,
+        (RegionOrigin::Flat, None) => {
+            let facet = evidence.facets.of[region.triangles[0] as usize];
+            let borders = &evidence.facets.get(facet).borders;
+            !borders.is_empty() && borders.iter().all(|b| b.dihedral > MOST_TURN)
+        }
+    }
 }
 
 /// Makes regions of the claims, and flat ones of the facets that are left.
-pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims) -> Regions {
+pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims, pairs: FlatPairs) -> Regions {
     let mut regions: Vec<FaceRegion> =
         claims.regions.iter().map(|growth| curved(evidence, growth)).collect();
     let leftovers = leftovers(evidence, claims);
@@ -64,18 +100,18 @@ pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims) -> Regions {
         regions.push(flat(evidence, &leftovers, f));
     }
     let mut of_triangle = vec![NONE; evidence.mesh.areas.len()];
-    let (mut all, mut explained) = (0.0, 0.0);
+    let (mut all, mut explained, mut significant) = (0.0, 0.0, 0.0);
     for (number, region) in regions.iter().enumerate() {
-        for &t in &region.triangles {
-            of_triangle[t as usize] = number as u32;
-            all += evidence.mesh.areas[t as usize];
-            if region.origin != RegionOrigin::Facet {
-                explained += evidence.mesh.areas[t as usize];
-            }
-        }
+        region.triangles.iter().for_each(|&t| of_triangle[t as usize] = number as u32);
+        let area: f64 = region.triangles.iter().map(|&t| evidence.mesh.areas[t as usize]).sum();
+        all += area;
+        explained += if region.origin == RegionOrigin::Facet { 0.0 } else { area };
+        significant += if is_significant(evidence, &pairs, region) { area } else { 0.0 };
     }
-    let explained = if all > 0.0 { explained / all } else { 0.0 };
-    Regions { regions, of_triangle, snaps: Vec::new(), prisms: Vec::new(), explained }
+    let [explained, significant] =
+        [explained, significant].map(|part| if all > 0.0 { part / all } else { 0.0 });
+    let (snaps, prisms) = (Vec::new(), Vec::new());
+    Regions { regions, of_triangle, snaps, prisms, explained, pairs, significant }
 }
 
 /// So many facets that continue each other smoothly are a curved face that was not found. A profile of fewer flat faces is
