@@ -13,25 +13,20 @@
 //! The boundary may also be left free inside the square. This is done where it is ragged, and where
 //! straight sides would stretch the map far more than the surface requires.
 
-mod aggregates;
 mod bays;
-mod bicgstab;
 mod chords;
 mod coarse;
 mod compressed;
 mod corners;
 mod insertion;
 mod lu;
-mod mean_value;
 mod mend;
-mod multigrid;
 mod outline;
 mod rectangle;
 mod rectangle_map;
 mod relax;
 mod scaffold;
 mod solve;
-mod sparse;
 mod square_map;
 mod stretch;
 mod sweep_mesh;

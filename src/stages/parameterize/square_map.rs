@@ -3,7 +3,7 @@
 use super::rectangle::Rectangle;
 use super::rectangle_map::{self, ConvexWeight, RectangleMap};
 use super::weights::Weights;
-use super::{MapMethod, Options, coarse, corners, mean_value, mend, stretch};
+use super::{MapMethod, Options, coarse, corners, mend, solve, stretch};
 use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::Mesh;
@@ -133,7 +133,10 @@ impl<'a> CoarseMap<'a> {
         let mut at = vec![Uv::origin(); self.mesh.points.len()];
         let size = rectangle.lay(&self.mesh.points, 1.0, &mut at);
         let mut uv = rectangle.to_unit_square(size, &at);
-        mean_value::map(&self.mesh.points, &self.hierarchy.rings, &mut uv)?;
+        let rings = &self.hierarchy.rings;
+        let is_inner = |v: &u32| !rings.on_boundary(*v) && !rings.ring(*v).is_empty();
+        let inner: Vec<u32> = (0..uv.len() as u32).filter(is_inner).collect();
+        solve::mean_value(&self.mesh.points, rings, &inner, &mut uv)?;
         Ok(uv)
     }
 }
