@@ -117,7 +117,7 @@ fn regions_of(
     }
     let options = regions::Options { unit: 1.0 / unit, keep_polygons: options.keep_polygons };
     let regions = regions::find(&measured, &options);
-    if !is_significant(&regions) {
+    if !regions.is_significant() {
         return Ok(None);
     }
     Ok(Some(Found { component, shape, mesh, input, errors, regions }))
@@ -161,11 +161,6 @@ pub(super) fn left_for_splines(scan: &Components, options: &Options) -> Result<O
     }))
 }
 
-/// Whether regions explain most of a mesh.
-fn is_significant(regions: &Regions) -> bool {
-    regions.explained > 0.5
-}
-
 /// Makes the body of one component, or says why there is no valid one.
 fn body(
     found: Found,
@@ -202,7 +197,21 @@ fn body(
     if shape != TargetShape::Solid {
         brep.solids.clear();
     }
-    let distances = Distances::of(&mesh, &report.patches);
+    if shape == TargetShape::Void {
+        brep = brep.reversed();
+    }
+    let mut patches = report.patches;
+    if shape == TargetShape::Void {
+        patches.iter_mut().for_each(|patch| patch.side = -patch.side);
+    }
+    let distances = Distances::of(&mesh, &patches);
+    if distances.explained < MOST_OF_IT {
+        return Ok(Err(format!(
+            "{:.0} % of its area would be facets, as {}",
+            100.0 * (1.0 - distances.explained),
+            report.fallbacks.first().map_or("no surface has their corners", |first| &first.why)
+        )));
+    }
     watch(Stage::Deviation)?;
     let rounding = errors.iter().copied().fold(0.0, f64::max);
     let tolerance = options.tolerance.unwrap_or(regions::MOST_ERRORS * rounding);
@@ -238,10 +247,13 @@ fn body(
             facets: report.facets,
             fallbacks: report.fallbacks,
             snaps: regions.snaps,
-            explained: regions.explained,
+            explained: distances.explained,
         })),
     }))
 }
+
+/// Exact faces are worth it if they are most of the area.
+const MOST_OF_IT: f64 = 0.5;
 
 /// How far the vertices and the triangles of a mesh are from the surfaces of their faces.
 struct Distances {
@@ -251,6 +263,8 @@ struct Distances {
     /// For each triangle its face.
     of_triangle: Vec<u32>,
     to_triangles: FaceToScan,
+    /// The share of the area that is not facets.
+    explained: f64,
 }
 
 impl Distances {
@@ -258,6 +272,7 @@ impl Distances {
         let mut of_vertices = vec![0.0f64; mesh.points.len()];
         let mut of_triangle = vec![0; mesh.triangles.len()];
         let mut of_faces = Vec::with_capacity(patches.len());
+        let (mut all, mut exact) = (0.0, 0.0);
         let mut middles: Vec<(Point, f64)> = Vec::with_capacity(mesh.triangles.len());
         for (number, patch) in patches.iter().enumerate() {
             let corners = patch.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
@@ -277,6 +292,9 @@ impl Distances {
             }
             for &t in &patch.triangles {
                 of_triangle[t as usize] = number as u32;
+                let area = mesh.area_vector(mesh.triangles[t as usize]).norm();
+                all += area;
+                exact += if patch.is_facet { 0.0 } else { area };
                 let [a, b, c] = mesh.corners(mesh.triangles[t as usize]).map(|p| p.coords);
                 let middle = Point::from((a + b + c) / 3.0);
                 middles.push((middle, patch.surface.distance(middle).0.abs()));
@@ -297,6 +315,7 @@ impl Distances {
             beyond: 0,
             places: points.len(),
         };
-        Distances { of_vertices, of_faces, of_triangle, to_triangles }
+        let explained = exact / f64::max(all, f64::MIN_POSITIVE);
+        Distances { of_vertices, of_faces, of_triangle, to_triangles, explained }
     }
 }

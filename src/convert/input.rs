@@ -161,7 +161,7 @@ pub(crate) fn body(
     Ok((body, input))
 }
 
-/// Mesh → body with all its handles, in the lengths of the mesh.
+/// Mesh → body with all its handles, in the lengths of the mesh. It faces outwards, also where it is a void.
 pub(crate) fn whole_body(
     scan: &Components,
     component: Choice,
@@ -174,7 +174,10 @@ pub(crate) fn whole_body(
     };
     let mut input = InputReport::new(scan, component, &chosen);
     let mut body = chosen.into_own_body(&mut input.repairs)?;
-    body.turn(shape != TargetShape::Void, &mut input.repairs);
+    match shape {
+        TargetShape::Void => body.turn(true, &mut Repairs::new()),
+        _ => body.turn(true, &mut input.repairs),
+    }
     Ok((body, input))
 }
 

@@ -202,6 +202,19 @@ impl Brep {
         self.uncertainty_mm = self.uncertainty_mm.max(other.uncertainty_mm);
     }
 
+    /// The same with all faces turned over: the outside becomes the inside.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        for face in &mut self.faces {
+            face.forward = !face.forward;
+            for ring in &mut face.loops {
+                ring.reverse();
+                ring.iter_mut().for_each(|used| used.forward = !used.forward);
+            }
+        }
+        self
+    }
+
     /// The model moved by a vector. The uncertainty grows by what the larger coordinates lose when
     /// they are rounded.
     #[must_use]

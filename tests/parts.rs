@@ -1,0 +1,175 @@
+//! The meshes of CAD programs become solids of the faces that the programs had.
+
+mod common;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use common::importers::{freecad_solid, opencascade_solid};
+use common::random::Random;
+use common::{arg, checked, convert, converted, fixture, inspect, json, number};
+use serde_json::{Value, json};
+
+/// The triangles of a cube between two corners, as ASCII STL. `turned` makes it face inwards.
+fn cube(low: f64, high: f64, turned: bool, noise: f64) -> String {
+    let mut random = Random(11);
+    let mut corners = Vec::new();
+    for k in 0..8 {
+        let exact = [4, 2, 1].map(|bit| if k & bit == 0 { low } else { high });
+        corners.push(exact.map(|x| x + noise * (random.share() - 0.5)));
+    }
+    let sides =
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let mut text = String::new();
+    for [a, b, c, d] in sides {
+        for [p, q, r] in [[a, b, c], [a, c, d]] {
+            let [q, r] = if turned { [r, q] } else { [q, r] };
+            text += "facet normal 0 0 0\nouter loop\n";
+            for [x, y, z] in [p, q, r].map(|k: usize| corners[k]) {
+                writeln!(text, "vertex {x} {y} {z}").expect("text");
+            }
+            text += "endloop\nendfacet\n";
+        }
+    }
+    text
+}
+
+fn write_stl(path: &Path, cubes: &[String]) {
+    std::fs::write(path, format!("solid cubes\n{}endsolid cubes\n", cubes.concat()))
+        .expect("a file");
+}
+
+/// Converts a scan and returns its messages and its report, whose schema is checked.
+fn made(scan: &Path, step: &Path, options: &[&str]) -> (String, Value) {
+    let report = step.with_extension("json");
+    let files = [arg(scan), arg(step), "--report", arg(&report)];
+    let said = converted(&[&files[..], options].concat());
+    let report = json(&report);
+    let schema = json(&common::root().join("docs/report.schema.json"));
+    let schema = jsonschema::draft202012::new(&schema).expect("the schema is one");
+    let faults: Vec<String> = schema.iter_errors(&report).map(|e| e.to_string()).collect();
+    assert!(faults.is_empty(), "{faults:?} in {report:#}");
+    (said, report)
+}
+
+/// The number of faces of each kind that there are.
+fn kinds(report: &Value) -> Value {
+    let all = report["shape"]["surfaces"].as_object().expect("an object").clone();
+    all.into_iter().filter(|(_, count)| *count != 0).collect::<serde_json::Map<_, _>>().into()
+}
+
+#[test]
+fn a_cube_comes_back_as_a_cube() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [scan, step] = ["cube.stl", "cube.step"].map(|name| folder.path().join(name));
+    write_stl(&scan, &[cube(0.0, 20.0, false, 0.0)]);
+    let (said, report) = made(&scan, &step, &[]);
+    assert!(said.contains("a solid of 6 faces, 8000 mm³: 6 planes; exact within 0 mm"), "{said}");
+    let shape = &report["shape"];
+    assert_eq!(kinds(&report), json!({ "plane": 6 }));
+    assert_eq!((&shape["edges"], &shape["vertices"]), (&12.into(), &8.into()));
+    assert!((number(&report, "/shape/volume_mm3") / 8000.0 - 1.0).abs() < 1e-12);
+    assert!(std::fs::metadata(&step).expect("a file").len() < 16_000);
+    let found = opencascade_solid(&step);
+    assert_eq!((&found["solids"], &found["valid"]), (&1.into(), &true.into()), "{found}");
+    let back = checked(&step, &scan);
+    assert!(number(&back, "/scan_to_face/max_mm") < 1e-9, "{back}");
+    assert!(number(&back, "/face_to_scan/max_mm") < 1e-9, "{back}");
+
+    let told = inspect(&[arg(&scan)]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("a solid of 6 faces: 6 planes"), "{told}");
+}
+
+#[test]
+fn options_of_splines_ask_for_splines() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [scan, step] = ["cube.stl", "cube.step"].map(|name| folder.path().join(name));
+    write_stl(&scan, &[cube(0.0, 20.0, false, 0.0)]);
+    let (_, report) = made(&scan, &step, &["--surfaces", "spline"]);
+    assert_eq!(report["shape"]["surfaces"]["plane"], 0);
+    let (said, report) = made(&scan, &step, &["--faces", "24"]);
+    assert_eq!(report["shape"]["surfaces"]["plane"], 0);
+    assert!(said.contains("--faces; without it, this is an exact solid of 6 faces"), "{said}");
+}
+
+#[test]
+fn noise_is_no_exact_face() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [scan, step] = ["cube.stl", "cube.step"].map(|name| folder.path().join(name));
+    write_stl(&scan, &[cube(0.0, 20.0, false, 0.05)]);
+    let (_, report) = made(&scan, &step, &["--tolerance", "5"]);
+    assert_eq!(report["shape"]["surfaces"]["plane"], 0, "{report}");
+}
+
+#[test]
+fn every_closed_piece_is_a_solid_or_a_void() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [scan, step] = ["cubes.stl", "cubes.step"].map(|name| folder.path().join(name));
+    let outer = cube(0.0, 20.0, false, 0.0);
+    write_stl(&scan, &[outer.clone(), cube(5.0, 15.0, true, 0.0), cube(30.0, 34.0, false, 0.0)]);
+    let (said, report) = made(&scan, &step, &[]);
+    let of_shape = |kind: &str| {
+        let bodies = report["components"].as_array().expect("a list");
+        bodies.iter().filter(|body| body["shape"]["kind"] == kind).count()
+    };
+    assert_eq!((of_shape("solid"), of_shape("void")), (2, 1), "{said}");
+    let found = opencascade_solid(&step);
+    assert_eq!((&found["solids"], &found["valid"]), (&2.into(), &true.into()), "{found}");
+    let volume = 8000.0 - 1000.0 + 64.0;
+    assert!((number(&found, "/volume") / volume - 1.0).abs() < 1e-9, "{found}");
+    // A piece that is named is the only one.
+    let (said, report) = made(&scan, &step, &["--component", "2"]);
+    assert_eq!(report["components"], Value::Null, "{said}");
+    assert!((number(&report, "/shape/volume_mm3") - 64.0).abs() < 1e-9);
+    assert!(said.contains("left out 24 triangles"), "{said}");
+}
+
+#[test]
+fn shapes_that_are_named_hold() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [scan, step] = ["cube.stl", "cube.step"].map(|name| folder.path().join(name));
+    write_stl(&scan, &[cube(0.0, 20.0, false, 0.0)]);
+    let (_, report) = made(&scan, &step, &["--shape", "shell"]);
+    assert_eq!(
+        (&report["shape"]["kind"], &report["shape"]["solids"]),
+        (&"shell".into(), &0.into())
+    );
+    assert_eq!(kinds(&report), json!({ "plane": 6 }));
+    let output = convert(&[arg(&scan), arg(&step), "--shape", "face"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("closed, genus 0, no boundary"), "{said}");
+}
+
+#[test]
+fn a_bracket_has_its_bores_and_fillets() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let step = folder.path().join("bracket.step");
+    let [page, picture] = ["bracket.html", "bracket.png"].map(|name| folder.path().join(name));
+    let reports = ["--report", arg(&page), "--report", arg(&picture), "--iges", "brep"];
+    let iges = folder.path().join("bracket.igs");
+    let (_, report) = made(&fixture("bracket.stl"), &step, &[&reports[..], &[arg(&iges)]].concat());
+    let expected = json!({ "plane": 7, "cylinder": 5, "cone": 2, "torus": 1 });
+    assert_eq!(kinds(&report), expected);
+    let rows = report["exact"]["cylinders"].as_array().expect("a list").iter();
+    let rows: Vec<(&str, f64)> = rows
+        .map(|row| (row["kind"].as_str().expect("a word"), number(row, "/radius_mm")))
+        .collect();
+    let radii = [("round", 20.0), ("bore", 9.0), ("fillet", 8.0), ("bore", 2.75), ("bore", 2.75)];
+    assert_eq!(rows.len(), radii.len());
+    for ((kind, radius), (true_kind, true_radius)) in rows.into_iter().zip(radii) {
+        assert_eq!(kind, true_kind);
+        assert!((radius - true_radius).abs() < 1e-5, "{kind} of {radius}");
+    }
+    let volume = number(&report, "/shape/volume_mm3");
+    for file in [&step, &iges] {
+        let found = opencascade_solid(file);
+        assert_eq!((&found["solids"], &found["valid"]), (&1.into(), &true.into()), "{found}");
+        assert!((number(&found, "/volume") / volume - 1.0).abs() < 1e-6, "{found}");
+    }
+    assert!(freecad_solid(&step).is_none_or(|found| found["valid"] == true));
+    let page = std::fs::read_to_string(page).expect("a page");
+    assert!(page.contains("15 faces"));
+    assert!(std::fs::metadata(picture).expect("a picture").len() > 10_000);
+}
