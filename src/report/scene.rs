@@ -21,7 +21,11 @@ pub(crate) fn scene(views: &[ReportView], ends: &Ends) -> Value {
     let [low, high] = crate::geometry::bounds(extent());
     let middle = low + 0.5 * (high - low);
     let axes = views.first().map(|view| {
-        Camera::facing(&view.scan.mesh, extent(), [1000, 800]).axes().map(<[f64; 3]>::from)
+        let camera = match view.exact {
+            Some(_) => Camera::isometric(extent(), [1000, 800]),
+            None => Camera::facing(&view.scan.mesh, extent(), [1000, 800]),
+        };
+        camera.axes().map(<[f64; 3]>::from)
     });
     json!({
         "middle": <[f64; 3]>::from(middle.coords),

@@ -52,7 +52,10 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
     if let Some(first) = views.first() {
         let extent = || views.iter().flat_map(|view| view.scan.mesh.points.iter().copied());
         let size = [COLUMN - MARGIN, SIZE[1] - TOP - 10];
-        let camera = Camera::facing(&first.scan.mesh, extent(), size);
+        let camera = match first.exact {
+            Some(_) => Camera::isometric(extent(), size),
+            None => Camera::facing(&first.scan.mesh, extent(), size),
+        };
         page.image.lay(&side(views, &camera, size, end), [MARGIN / 2, TOP]);
         let extent: Vec<Point> = extent().collect();
         let asides = camera.asides(&first.scan.mesh, &extent, ASIDE);

@@ -64,6 +64,13 @@ impl Camera {
         Camera::of(best_view(mesh, size), extent, size)
     }
 
+    /// An isometric camera for parts, as in drawings: from the front, the right and above, where z points up.
+    pub(crate) fn isometric(extent: impl Iterator<Item = Point>, size: [usize; 2]) -> Camera {
+        let eye = Vector::new(1.0, -1.0, 1.0).normalize();
+        let right = Vector::z().cross(&eye).normalize();
+        Camera::of(View { right, up: eye.cross(&right), eye }, extent, size)
+    }
+
     fn of(view: View, extent: impl Iterator<Item = Point>, size: [usize; 2]) -> Camera {
         let (low, high) = view.bounds(extent);
         Camera { view, scale: scale(high - low, size), middle: 0.5 * (low + high), size }
