@@ -8,7 +8,9 @@ use super::prisms::Prism;
 use super::snap::Snap;
 use crate::geometry::NONE;
 use crate::geometry::sets::Sets;
-use crate::primitives::{Covariance, FitOptions, FitSample, Motions, Primitive, PrimitiveKind, fit};
+use crate::primitives::{
+    Covariance, FitOptions, FitSample, Motions, Primitive, PrimitiveKind, fit,
+};
 
 /// What a region is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
