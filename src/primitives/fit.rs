@@ -154,10 +154,10 @@ const MOST_RAISES: usize = 6;
 /// A fit has converged if it gained less than this share twice in a row.
 const CONVERGED: f64 = 1e-6;
 
-/// Exact data converge quadratically. A fit that has not come within its goal is given up if five steps in a row
+/// Exact data converge quadratically. A fit that has not come within its goal is given up if three steps in a row
 /// gained less than fourfold.
 const GAIN: f64 = 0.25;
-const SLOW_STEPS: usize = 5;
+const SLOW_STEPS: usize = 3;
 
 /// Fits a surface to points by least squares of the distances in units of the points' errors. `None` if there is
 /// no point, or if the start is not finite.

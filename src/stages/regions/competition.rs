@@ -29,7 +29,7 @@ pub(super) fn compete(
     let Claims { regions, of, .. } = claims;
     let mut left = found;
     let first = |f: &FoundRegion| f.growth.units.iter().copied().min();
-    left.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(first(a).cmp(&first(b))));
+    left.sort_by(|a, b| b.weight.total_cmp(&a.weight).then_with(|| first(a).cmp(&first(b))));
     let mut at = 0;
     while at < left.len() {
         let next = left[at].clone();
@@ -43,7 +43,9 @@ pub(super) fn compete(
                     GrownRegion::new(evidence, next.growth.fit, side, &piece, search.marks());
                 left.extend(search.judged(growth));
             }
-            left[at..].sort_by(|a, b| b.weight.total_cmp(&a.weight).then(first(a).cmp(&first(b))));
+            left[at..].sort_by(|a, b| {
+                b.weight.total_cmp(&a.weight).then_with(|| first(a).cmp(&first(b)))
+            });
             continue;
         }
         let number = regions.len() as u32;

@@ -74,14 +74,18 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     let pairs = FlatPairs::of(mesh);
     let generous = if pairs.is_clean() == Some(true) { most_slack(mesh) } else { 1.0 };
     let mut claims = Claims { regions: Vec::new(), of: vec![NONE; count], generous };
-    loop {
+    // Noise has no surface to be found, only faces that happen to be flat.
+    let is_noise = pairs.is_clean() == Some(false);
+    while !is_noise {
+        let mut hopeless = Vec::new();
         for _ in 0..MOST_SEARCHES {
             evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
             let known = claims.regions.iter().map(GrownRegion::surface).collect();
-            let mut search = SeedSearch::new(&evidence, known);
+            let mut search = SeedSearch::new(&evidence, known, hopeless);
             let found = search.run();
             let before = claims.regions.len();
             competition::compete(&evidence, &mut search, found, &mut claims);
+            hopeless = search.into_hopeless();
             if claims.regions.len() == before {
                 break;
             }

@@ -32,6 +32,10 @@ const FAILURES: usize = 50;
 /// loose edges are small pieces of their own, so few seeds find them.
 const LOOSE_FAILURES: usize = 12;
 
+/// Growths of a failing seed over so many facets in all cost as much as its fits, and count as one failure more. So the work of a
+/// piece is bounded by that of its fits.
+const SEED_WORK: usize = 1000;
+
 /// A torus whose circle is so many diagonals of the part wide is a simpler surface by rounding.
 const MOST_MAJOR: f64 = 10.0;
 
@@ -49,11 +53,20 @@ pub(super) struct SeedSearch<'a> {
     pub(super) known: Vec<Primitive>,
     marks: RegionMarks,
     diagonal: f64,
+    /// Facets of smooth pieces in which an earlier search with the same errors found nothing.
+    hopeless: Vec<bool>,
+    /// The facets that growths have looked at for the seed in hand.
+    grown: usize,
 }
 
 impl<'a> SeedSearch<'a> {
-    /// A search among the facets that are open, with the surfaces that are known already.
-    pub(super) fn new(evidence: &'a ExactFacets<'a>, known: Vec<Primitive>) -> Self {
+    /// A search among the facets that are open, with the surfaces that are known already. No seed is tried in the facets
+    /// that an earlier search has found hopeless.
+    pub(super) fn new(
+        evidence: &'a ExactFacets<'a>,
+        known: Vec<Primitive>,
+        mut hopeless: Vec<bool>,
+    ) -> Self {
         let facets = &evidence.facets.all;
         let is_curved = |f: &Facet| !f.is_flat && f.borders.iter().any(|b| b.dihedral <= MOST_TURN);
         let open = facets.iter().zip(&evidence.closed);
@@ -62,7 +75,8 @@ impl<'a> SeedSearch<'a> {
         let tests = (CURVED.len() * PATCHES * size).max(10) as f64;
         let marks = RegionMarks::new(facets.len(), evidence.mesh.errors.len());
         let diagonal = evidence.mesh.mesh.diagonal();
-        SeedSearch { evidence, pool, tests, known, marks, diagonal }
+        hopeless.resize(facets.len(), false);
+        SeedSearch { evidence, pool, tests, known, marks, diagonal, hopeless, grown: 0 }
     }
 
     /// Judges a region by the number of tests of this search.
@@ -72,6 +86,11 @@ impl<'a> SeedSearch<'a> {
 
     pub(super) fn marks(&mut self) -> &mut RegionMarks {
         &mut self.marks
+    }
+
+    /// Facets in which neither this search nor one before it found anything.
+    pub(super) fn into_hopeless(self) -> Vec<bool> {
+        self.hopeless
     }
 
     /// Finds the regions of all seeds. They may overlap.
@@ -85,26 +104,30 @@ impl<'a> SeedSearch<'a> {
             *n = if is_loose { LOOSE_FAILURES } else { FAILURES + 2 * n.isqrt() };
         });
         let mut left = allowed.clone();
+        let mut is_hopeless = vec![true; facets.len()];
         let mut failures = vec![0u8; facets.len()];
         let mut found = Vec::new();
         for seed in self.order() {
             let (at, piece) = (seed as usize, pieces[seed as usize]);
-            if !self.pool[at] || failures[at] >= 2 || left[piece] == 0 {
+            if !self.pool[at] || failures[at] >= 2 || left[piece] == 0 || self.hopeless[at] {
                 continue;
             }
+            self.grown = 0;
             if let Some(best) = self.best_at(seed) {
                 best.growth.units.iter().for_each(|&f| self.pool[f as usize] = false);
                 self.known.push(best.growth.surface());
                 left[piece] = allowed[piece];
+                is_hopeless[piece] = false;
                 found.push(best);
             } else {
-                left[piece] -= 1;
+                left[piece] = left[piece].saturating_sub(1 + self.grown / SEED_WORK);
                 failures[at] = 2;
                 facets[at].borders.iter().for_each(|b| {
                     failures[b.facet as usize] = 2.min(failures[b.facet as usize] + 1)
                 });
             }
         }
+        self.hopeless.iter_mut().zip(&pieces).for_each(|(h, &piece)| *h |= is_hopeless[piece]);
         found
     }
 
@@ -228,6 +251,7 @@ impl<'a> SeedSearch<'a> {
     ) -> Option<FoundRegion> {
         let side = self.evidence.side(&fit.surface, patch);
         let growth = grow(self.evidence, fit, side, patch, &mut self.marks)?;
+        self.grown += growth.units.len();
         let growth = self.simplified(growth);
         growth.units.contains(&seed).then(|| self.judged(growth)).flatten()
     }
