@@ -1,0 +1,76 @@
+"""Parts of CAD programs have exact faces."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import scan2step
+
+BRACKET = Path(__file__).parents[2] / "fixtures/bracket.stl"
+
+
+@pytest.fixture(scope="module")
+def bracket():
+    return scan2step.convert(BRACKET)
+
+
+def test_faces_have_the_surfaces_of_the_part(bracket):
+    kinds = Counter(face.surface.kind for face in bracket.faces)
+    assert kinds == {"plane": 7, "cylinder": 5, "cone": 2, "torus": 1}
+    cone = next(face.surface for face in bracket.faces if face.surface.kind == "cone")
+    assert cone.half_angle == pytest.approx(45, abs=1e-4)
+    torus = next(face.surface for face in bracket.faces if face.surface.kind == "torus")
+    assert torus.tube_radius == pytest.approx(1.5, abs=1e-5)
+    assert np.allclose(np.abs(torus.axis), [1, 0, 0])
+
+
+def test_cylinders_are_bores_and_fillets(bracket):
+    rows = [(row.kind, round(row.radius, 4)) for row in bracket.cylinders()]
+    assert rows == [("round", 20.0), ("bore", 9.0), ("fillet", 8.0), ("bore", 2.75), ("bore", 2.75)]
+
+
+def test_only_splines_have_control_points(bracket):
+    face = bracket.faces[0]
+    with pytest.raises(ValueError, match="no control points"):
+        face.control_points
+    assert repr(face) == f"<scan2step.Face {face.surface.kind}>"
+    splined = scan2step.convert(BRACKET, surfaces="spline", face_count=60)
+    assert {face.surface.kind for face in splined.faces} == {"spline"}
+    assert splined.cylinders() == []
+
+
+def test_edges_are_lines_and_circles_where_the_part_has_them(bracket):
+    for face in bracket.faces:
+        for loop in face.loops:
+            for arc in loop.arcs:
+                assert np.allclose(face.points(start(arc.pcurve)[None]), start(arc.edge), atol=1e-5)
+    circles = [
+        np.linalg.norm(arc.edge.axes[0])
+        for face in bracket.faces
+        for loop in face.loops
+        for arc in loop.arcs
+        if isinstance(arc.edge, scan2step.Ellipse)
+    ]
+    # The seam edge of the torus is the smallest circle.
+    assert min(circles) == pytest.approx(1.5, abs=1e-5)
+
+
+def start(curve):
+    """The first point of a curve."""
+    if isinstance(curve, scan2step.Ellipse):
+        t = curve.range[0]
+        return curve.centre + np.cos(t) * curve.axes[0] + np.sin(t) * curve.axes[1]
+    return curve.control_points[0]
+
+
+def test_a_normal_points_out_of_the_part(bracket):
+    top = max((face for face in bracket.faces if face.surface.kind == "plane"), key=lambda f: abs(f.surface.axis[2]))
+    assert np.allclose(np.abs(top.normals(np.zeros((1, 2)))), [[0, 0, 1]], atol=1e-6)
+
+
+def test_distances_are_those_from_the_exact_faces(bracket):
+    # A point in the middle of the bore is as far from it as its radius.
+    assert bracket.distance([[2.25, 20, 35]])[0] == pytest.approx(9, abs=1e-4)
+    assert np.nanmax(np.abs(bracket.deviations)) < 1e-5
