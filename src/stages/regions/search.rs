@@ -164,11 +164,15 @@ impl<'a> SeedSearch<'a> {
             }
         }
         if let Some(other) = largest(&best).map(|b| b.growth.clone()) {
-            // Two neighbouring rings of a torus lie on a common sphere and on a common cone.
+            // Two neighbouring rings of a torus lie on a common sphere and on a common cone, and a row along its tube
+            // nearly on a cylinder.
             match other.surface() {
                 Primitive::Sphere { .. } => best.extend(self.torus_beyond(&other.surface(), seed)),
                 Primitive::Torus { .. } => {}
-                _ => best.extend(self.torus_of_rows(&other, seed)),
+                _ => {
+                    let found = self.torus_of_rows(&other, seed);
+                    best.extend(found.or_else(|| self.torus_beyond(&other.surface(), seed)));
+                }
             }
         }
         let most = largest(&best)?.area;
