@@ -52,6 +52,8 @@ def off(face, region, diagonal):
     """How far the parameters are off, in units of what is allowed. Infinite for other kinds."""
     if face["kind"] != region["kind"]:
         return np.inf
+    if any(x is None for key in ("origin", "apex") for x in region.get(key, [])):
+        return np.inf
     o, origin = face["o"] if "o" in face else face["apex"], np.array(region["origin"])
     place = PLACE * diagonal
     if face["kind"] == "sphere":
@@ -97,8 +99,8 @@ def regions_of(program, data, suffix=".stl"):
 
 
 def short(face):
-    number = lambda x: [round(float(y), 4) for y in x] if np.ndim(x) else round(float(x), 4)
-    return " ".join(f"{k}={number(v)}" for k, v in face.items() if k not in ("kind", "origin_of"))
+    number = lambda x: [y and round(float(y), 4) for y in x] if np.ndim(x) else round(float(x), 4)
+    return " ".join(f"{k}={number(v)}" for k, v in face.items() if v is not None and k not in ("kind", "origin_of"))
 
 
 def judged(truth, found, pose, verbose):

@@ -2,10 +2,12 @@
 
 use super::coincidences::{SAME_PLACE, different};
 use super::exact::{ExactFacets, MOST_TURN};
+use super::facets::Border;
 use super::growth::{Evidence, GrownRegion};
 use super::significance::median;
 use super::tessellation::MOST_ERRORS;
 use crate::geometry::Vector;
+use crate::geometry::sets::Sets;
 use crate::primitives::PrimitiveKind;
 
 /// A neighbour that is so many times as large as a facet of a curved face is a face of its own.
@@ -14,6 +16,35 @@ const MUCH_LARGER: f64 = 4.0;
 /// The share of its border along which a region that is found with larger errors may continue smoothly into what is not
 /// explained. A face ends at creases and at other faces; a quadric that happens to come near a free-form surface does not.
 const OPEN_BORDER: f64 = 0.25;
+
+/// Whether a face that has a facet may end at one of its borders: at a crease, at a flat face, at a region that is there already.
+fn is_end(evidence: &ExactFacets, facet: u32, border: &Border) -> bool {
+    let other = evidence.facets.get(border.facet);
+    border.dihedral > MOST_TURN
+        || other.is_flat
+        || other.area > MUCH_LARGER * evidence.facets.get(facet).area
+        || evidence.closed[border.facet as usize]
+}
+
+/// The number of pieces of at least two facets of the pool that end as faces do.
+pub(super) fn closed_pieces(evidence: &ExactFacets, pool: &[bool]) -> usize {
+    let mut sets = Sets::new(pool.len());
+    let mut joined = 0;
+    for f in (0..pool.len() as u32).filter(|&f| pool[f as usize]) {
+        for border in &evidence.facets.get(f).borders {
+            if pool[border.facet as usize] && !is_end(evidence, f, border) {
+                sets.join(f as usize, border.facet as usize);
+            }
+        }
+    }
+    let mut sizes = vec![0; pool.len()];
+    (0..pool.len()).filter(|&f| pool[f]).for_each(|f| {
+        let root = sets.find(f);
+        sizes[root] += 1;
+        joined += usize::from(sizes[root] == 2);
+    });
+    joined
+}
 
 /// Whether a region ends at creases and at regions that are there already.
 pub(super) fn is_bordered(evidence: &ExactFacets, growth: &GrownRegion) -> bool {
@@ -24,12 +55,7 @@ pub(super) fn is_bordered(evidence: &ExactFacets, growth: &GrownRegion) -> bool 
         for border in &evidence.facets.get(f).borders {
             if inside.binary_search(&border.facet).is_err() {
                 all += border.length;
-                let other = evidence.facets.get(border.facet);
-                let is_end = border.dihedral > MOST_TURN
-                    || other.is_flat
-                    || other.area > MUCH_LARGER * evidence.facets.get(f).area
-                    || evidence.closed[border.facet as usize];
-                smooth += if is_end { 0.0 } else { border.length };
+                smooth += if is_end(evidence, f, border) { 0.0 } else { border.length };
             }
         }
     }

@@ -63,14 +63,15 @@ pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
 /// Equal steps are the mark of a tessellation: each beyond the first is a coincidence. They count only if the vertices
 /// alone do not suffice.
 fn equal_steps(evidence: &ExactFacets, growth: &GrownRegion, places: f64) -> f64 {
-    let Primitive::Cylinder { radius, .. } = growth.surface() else { return 0.0 };
     if !(4.0..6.0).contains(&places) {
         return 0.0;
     }
-    let slack = SAME_PLACE * typical_error(evidence, growth) / radius;
     let mut turns: Vec<f64> = Vec::new();
+    let mut slack = 0.0f64;
     for &f in &growth.units {
         let facet = evidence.facets.get(f);
+        // Two normals make a turn, and two turns are compared.
+        slack = slack.max(2.0 * evidence.normal_error(facet));
         let inner = facet.borders.iter().filter(|b| b.facet > f && growth.units.contains(&b.facet));
         turns.extend(inner.map(|b| b.dihedral).filter(|&d| d > slack));
     }

@@ -72,10 +72,10 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     let count = facets.all.len();
     let mut evidence = ExactFacets { mesh, facets, slack: 1.0, closed: vec![false; count] };
     let pairs = FlatPairs::of(mesh);
-    let generous = if pairs.is_clean() == Some(true) { most_slack(mesh) } else { 1.0 };
+    let is_noise = pairs.is_clean() == Some(false);
+    let generous = if is_noise { 1.0 } else { most_slack(mesh) };
     let mut claims = Claims { regions: Vec::new(), of: vec![NONE; count], generous };
     // Noise has no surface to be found, only faces that happen to be flat.
-    let is_noise = pairs.is_clean() == Some(false);
     while !is_noise {
         let mut hopeless = Vec::new();
         for _ in 0..MOST_SEARCHES {

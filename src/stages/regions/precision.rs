@@ -17,6 +17,9 @@ pub struct FlatPairs {
 /// Pairs that turn more are creases and say nothing about precision.
 const LEAST_COSINE: f64 = 0.766;
 
+/// Pairs up to so many roundings off are nearly flat. Noise puts `NEAR - 1` times as many there as below one.
+const NEAR: f64 = 10.0;
+
 /// So few pairs say nothing: two exact pairs and no near one happen by noise once in a hundred parts.
 const FEWEST_PAIRS: usize = 3;
 
@@ -37,7 +40,7 @@ impl FlatPairs {
             }
             match bend(mesh, t, other, side) {
                 Some(z) if z <= 1.0 => self.exact += 1,
-                Some(z) if z <= 10.0 => self.near += 1,
+                Some(z) if z <= NEAR => self.near += 1,
                 _ => {}
             }
         }
@@ -49,7 +52,8 @@ impl FlatPairs {
     }
 }
 
-/// How far the four vertices of a pair are from a plane, in units of the bound that their errors set.
+/// How far the four vertices of a pair are from a plane, in units of the bound that their errors set. `None` if the triangles are
+/// so small that any turn short of a crease is nearly flat: such a pair tells nothing.
 fn bend(mesh: &Tessellation, t: u32, other: u32, side: usize) -> Option<f64> {
     let [a, b] = mesh.ends(side);
     let opposite = |t: u32| mesh.corners(t).into_iter().find(|&v| v != a && v != b);
@@ -59,5 +63,9 @@ fn bend(mesh: &Tessellation, t: u32, other: u32, side: usize) -> Option<f64> {
     let faces = [[q, r, s], [p, r, s], [p, q, s], [p, q, r]];
     let weights = faces.map(|[x, y, z]| (y - x).cross(&(z - x)).norm());
     let bound: f64 = corners.iter().zip(weights).map(|(&v, w)| mesh.error(v) * w).sum();
-    (bound > 0.0).then(|| volume / bound)
+    // Two triangles that turn by an angle span a volume of this height times its sine.
+    let edge = (q - p).norm();
+    let most =
+        mesh.areas[t as usize] * mesh.areas[other as usize] / edge * LEAST_COSINE.acos().sin();
+    (bound > 0.0 && most > NEAR * bound).then(|| volume / bound)
 }

@@ -17,6 +17,11 @@ const LATTICE_ODDS: f64 = 20.0;
 const ROUNDED: f64 = 0.1;
 const CHOSEN: f64 = 0.5;
 
+/// Designers choose numbers of up to two decimals. Beyond, what they chose is zero, in rounded files too, or a fraction of an
+/// inch, whose last digit is a five; that of other rounded numbers is one of nine.
+const CHOSEN_PLACES: i32 = 2;
+const ROUNDED_FIVES: f64 = 1.0 / 9.0;
+
 /// The finest decimal place that is looked for: those of float64 end there for parts of any size.
 const MOST_DECIMALS: i32 = 12;
 
@@ -38,9 +43,11 @@ impl FileRounding {
         numbers.dedup();
         let is_single = numbers.iter().all(|&x| f64::from(x as f32) == x);
         let decade = |a: &f64, b: &f64| exponent(*a) == exponent(*b);
+        // One number of decimals for all, or one for each decade if the digits are counted from the first one.
+        let common = decimal_places(&numbers, is_single);
         let lattices = numbers.chunk_by(decade).filter_map(|same| {
-            let first = exponent(same[0]);
-            decimal_places(same, first, is_single).map(|places| (first, places))
+            let places = common.or_else(|| decimal_places(same, is_single));
+            places.map(|places| (exponent(same[0]), places))
         });
         FileRounding { is_single, decimals: lattices.collect() }
     }
@@ -101,23 +108,35 @@ fn half_ulp(x: f64, is_single: bool) -> f64 {
     0.5 * epsilon * 2f64.powf(x.abs().max(least).log2().floor())
 }
 
-/// The decimal places of a lattice that holds all numbers of a decade, if they use it as roundings do.
-fn decimal_places(numbers: &[f64], first: i32, is_single: bool) -> Option<i32> {
+/// The decimal places of a lattice that holds all numbers, which ascend, if they use it as roundings do.
+fn decimal_places(numbers: &[f64], is_single: bool) -> Option<i32> {
     // Text is read to about 1e-12; a number of 32 bits is the nearest to its decimal one, or next to it.
     let slack = |x: f64| if is_single { 2.02 * half_ulp(x, true) } else { 1e-12 * x };
     let on_lattice = |places: i32| {
         let step = 10f64.powi(-places);
         numbers.iter().all(|&x| (x - (x / step).round() * step).abs() <= slack(x))
     };
+    let first = exponent(*numbers.last()?);
     let places = (-first - 1..MOST_DECIMALS).find(|&places| on_lattice(places))?;
     let step = 10f64.powi(-places);
     let widest = numbers.iter().map(|&x| slack(x)).fold(0.0, f64::max);
     if step <= 4.0 * widest {
         return None;
     }
-    let uses_last = |x: &&f64| ((**x / step).round() % 10.0).abs() > 0.5;
-    let used = numbers.iter().filter(uses_last).count() as f64;
-    let unused = numbers.len() as f64 - used;
-    let odds = used * ((1.0 - ROUNDED) / (1.0 - CHOSEN)).ln() + unused * (ROUNDED / CHOSEN).ln();
-    (odds > LATTICE_ODDS.ln()).then_some(places)
+    let mut digits = [0.0; 10];
+    numbers.iter().for_each(|x| digits[((x / step).round() % 10.0) as usize] += 1.0);
+    (odds(&digits, places) > LATTICE_ODDS.ln()).then_some(places)
+}
+
+/// The logarithm of the odds that numbers with these last digits were rounded.
+fn odds(digits: &[f64; 10], places: i32) -> f64 {
+    let used: f64 = digits[1..].iter().sum();
+    let odds = |usual: f64, rare: f64, share: f64| {
+        usual * ((1.0 - share) / (1.0 - CHOSEN)).ln() + rare * (share / CHOSEN).ln()
+    };
+    if places <= CHOSEN_PLACES {
+        odds(used, digits[0], ROUNDED)
+    } else {
+        odds(used - digits[5], digits[5], ROUNDED_FIVES)
+    }
 }

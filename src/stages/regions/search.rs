@@ -1,10 +1,11 @@
 //! The search for curved faces: seeds, and the surfaces tried on their patches.
 
+use super::borders;
 use super::exact::{ExactFacets, MOST_TURN};
 use super::facets::Facet;
 use super::growth::{Evidence, GrownRegion, RegionMarks, grow, refitted};
 use super::patches::{self, PATCHES};
-use super::significance::{FoundRegion, judged};
+use super::significance::{FoundRegion, Tests, judged};
 use crate::geometry::{Point, Vector};
 use crate::primitives::{
     FitOptions, FitSample, OrientedPoint, Primitive, PrimitiveFit, PrimitiveKind, fit, starts,
@@ -49,7 +50,7 @@ pub(super) struct SeedSearch<'a> {
     pub(super) evidence: &'a ExactFacets<'a>,
     /// FacetMesh that may belong to a curved face and are not explained yet.
     pub(super) pool: Vec<bool>,
-    tests: f64,
+    tests: Tests,
     pub(super) known: Vec<Primitive>,
     marks: RegionMarks,
     diagonal: f64,
@@ -72,7 +73,10 @@ impl<'a> SeedSearch<'a> {
         let open = facets.iter().zip(&evidence.closed);
         let pool: Vec<bool> = open.map(|(f, closed)| !closed && is_curved(f)).collect();
         let size = pool.iter().filter(|&&x| x).count();
-        let tests = (CURVED.len() * PATCHES * size).max(10) as f64;
+        let tests = Tests {
+            of_patches: (CURVED.len() * PATCHES * size).max(1) as f64,
+            of_faces: (CURVED.len() * borders::closed_pieces(evidence, &pool)).max(1) as f64,
+        };
         let marks = RegionMarks::new(facets.len(), evidence.mesh.errors.len());
         let diagonal = evidence.mesh.mesh.diagonal();
         hopeless.resize(facets.len(), false);
@@ -81,7 +85,7 @@ impl<'a> SeedSearch<'a> {
 
     /// Judges a region by the number of tests of this search.
     pub(super) fn judged(&self, growth: GrownRegion) -> Option<FoundRegion> {
-        judged(self.evidence, growth, &self.known, self.tests)
+        judged(self.evidence, growth, &self.known, &self.tests)
     }
 
     pub(super) fn marks(&mut self) -> &mut RegionMarks {
@@ -160,11 +164,15 @@ impl<'a> SeedSearch<'a> {
             }
         }
         if let Some(other) = largest(&best).map(|b| b.growth.clone()) {
-            // Two neighbouring rings of a torus lie on a common sphere and on a common cone.
+            // Two neighbouring rings of a torus lie on a common sphere and on a common cone, and a row along its tube
+            // nearly on a cylinder.
             match other.surface() {
                 Primitive::Sphere { .. } => best.extend(self.torus_beyond(&other.surface(), seed)),
                 Primitive::Torus { .. } => {}
-                _ => best.extend(self.torus_of_rows(&other, seed)),
+                _ => {
+                    let found = self.torus_of_rows(&other, seed);
+                    best.extend(found.or_else(|| self.torus_beyond(&other.surface(), seed)));
+                }
             }
         }
         let most = largest(&best)?.area;
@@ -235,7 +243,7 @@ impl<'a> SeedSearch<'a> {
         let mut sagittas: Vec<f64> =
             patch.iter().map(|&f| evidence.sagitta(surface, evidence.facets.get(f))).collect();
         sagittas.sort_unstable_by(f64::total_cmp);
-        let middle = sagittas[sagittas.len() / 2];
+        let middle = sagittas[(sagittas.len() - 1) / 2];
         let error = |&f: &u32| evidence.facets.get(f).error;
         let worst = patch.iter().max_by(|a, b| error(a).total_cmp(&error(b)));
         let (Some(&worst), Some(&largest)) = (worst, sagittas.last()) else { return false };

@@ -15,8 +15,24 @@ pub(super) struct FoundRegion {
     pub(super) weight: f64,
 }
 
-/// The false surfaces that one part may have on average.
-const FALSE_ALARMS: f64 = 1e-3;
+/// The false surfaces that one part may have on average: the usual level of significance. A false one does little harm,
+/// because its vertices lie on it within the rounding. Only coarse roundings and short arcs come near this level.
+const FALSE_ALARMS: f64 = 0.05;
+
+/// How many surfaces the search of a part tries.
+pub(super) struct Tests {
+    /// Any surfaces on any patches.
+    pub(super) of_patches: f64,
+    /// Surfaces of all the facets between two creases or flat faces. Such pieces are few.
+    pub(super) of_faces: f64,
+}
+
+/// A chord that turns by an angle has an eighth of it as its sagitta. The next corner of a profile of chance, which may turn there
+/// by any such angle, is off by the whole; that of a smooth surface by little more than the sagitta.
+const SAGITTAS_OF_TURN: f64 = 8.0;
+
+/// Mirror images have one coincidence in common whatever their shape: four vertices of a symmetric trapezoid lie on a circle.
+const FEWEST_COINCIDENCES: f64 = 2.0;
 
 /// Coincidences are never rarer than this share of the rounding, below which distances are not uniform.
 const LEAST_DISTANCE: f64 = 0.3;
@@ -24,20 +40,21 @@ const LEAST_DISTANCE: f64 = 0.3;
 /// The facets and neighbours that are looked at for a median.
 const SAMPLE: usize = 200;
 
-/// Judges a region. `known` are the surfaces accepted so far; `tests` is the number of surfaces that the search of the
+/// Judges a region. `known` are the surfaces accepted so far; `tests` are the numbers of surfaces that the search of the
 /// whole part tries. `None` if chance explains the region.
 pub(super) fn judged(
     evidence: &ExactFacets,
     growth: GrownRegion,
     known: &[Primitive],
-    tests: f64,
+    tests: &Tests,
 ) -> Option<FoundRegion> {
     let surface = growth.surface();
     let kind = surface.kind();
     if growth.units.len() < 2 || is_extruded(evidence, &growth) && kind != PrimitiveKind::Cylinder {
         return None;
     }
-    if evidence.slack > 1.0 && !is_bordered(evidence, &growth) {
+    let is_bordered = is_bordered(evidence, &growth);
+    if evidence.slack > 1.0 && !is_bordered {
         return None;
     }
     let tangent = tangent_neighbours(evidence, &growth);
@@ -56,9 +73,15 @@ pub(super) fn judged(
         .map(|&f| evidence.sagitta(&surface, evidence.facets.get(f)));
     let sagitta = median(sagittas.collect())?;
     let error = typical_error(evidence, &growth);
-    let chance = (growth.fit.worst.max(LEAST_DISTANCE) * error / sagitta).max(f64::MIN_POSITIVE);
+    let is_exact = evidence.slack <= 1.0;
+    let (tests, usual) = if is_bordered && is_exact {
+        (tests.of_faces, SAGITTAS_OF_TURN * sagitta)
+    } else {
+        (tests.of_patches, sagitta)
+    };
+    let chance = (growth.fit.worst.max(LEAST_DISTANCE) * error / usual).max(f64::MIN_POSITIVE);
     let is_chance = tests.log10() + coincidences * chance.log10() >= FALSE_ALARMS.log10();
-    if coincidences <= 0.0
+    if coincidences < FEWEST_COINCIDENCES
         || chance >= 0.5
         || is_chance
         || evidence.slack <= 1.0 && !ends_abruptly(evidence, &growth)

@@ -147,3 +147,79 @@ fn decimals_count_as_rounding_only_if_chance_uses_their_last_digit() {
         (0..300).map(|k| [scattered(k), scattered(k + 1000), scattered(k + 2000)]).collect();
     assert_eq!(FileRounding::of(&cut).decimals, [(1, 3)]);
 }
+
+#[test]
+fn few_numbers_with_three_decimals_show_their_rounding_by_their_fives() {
+    // The corners of a rounded edge among the round numbers of a profile.
+    let round = [[3.0, 30.0, 4.0], [30.0, 4.0, 3.0], [4.0, 3.0, 30.0], [0.5, 2.0, 15.0]];
+    let arc = (1..20).map(|k| {
+        let angle = f64::from(k) * TAU / 83.0;
+        [4.0 - angle.cos(), 4.0 - angle.sin(), 30.0].map(|x: f64| (1e3 * x).round() / 1e3)
+    });
+    let points: Vec<[f64; 3]> = round.into_iter().chain(arc).collect();
+    assert!(FileRounding::of(&points).decimals.iter().all(|&(_, places)| places == 3));
+    assert!(!FileRounding::of(&points).decimals.is_empty());
+    let inches: Vec<[f64; 3]> = (1..60).map(|k| [f64::from(k) * 0.125, 1.0, 2.0]).collect();
+    assert!(FileRounding::of(&inches).decimals.is_empty());
+}
+
+#[test]
+fn a_part_is_significant_and_a_smooth_or_rough_surface_is_not() {
+    let (mesh, errors) = exported(prism(24, 5.0, 8.0), NOWHERE, NOWHERE, 1.0);
+    assert!(regions(&mesh, &errors).is_significant());
+    let (mesh, errors) = exported(torus(10.0, 3.0, 40, 20), NOWHERE, NOWHERE, 1.0);
+    assert!(regions(&mesh, &errors).is_significant());
+    let mut smooth = torus(10.0, 3.0, 80, 40);
+    for p in &mut smooth.points {
+        *p += 0.3 * Vector::new((p.y * 0.7).sin(), (p.z + 0.4 * p.x).cos(), (p.x * 0.5).sin());
+    }
+    let (mesh, errors) = exported(smooth, NOWHERE, NOWHERE, 1.0);
+    assert!(!regions(&mesh, &errors).is_significant());
+}
+
+#[test]
+fn a_fine_grid_in_coarse_steps_is_not_significant() {
+    let n = 60;
+    let mut mesh = Mesh::default();
+    for k in 0..n * n {
+        let (x, y) = ((k % n) as f64, (k / n) as f64);
+        let height = 4.0 * (0.3 * x).sin() * (0.2 * y).cos();
+        mesh.points.push(Point::new(x, y, height.round()));
+    }
+    for k in (0..n * (n - 1)).filter(|k| k % n + 1 < n) {
+        let v = |k: usize| VertexId::from(k);
+        mesh.triangles.push([v(k), v(k + 1), v(k + n)]);
+        mesh.triangles.push([v(k + 1), v(k + n + 1), v(k + n)]);
+    }
+    let errors = vec![0.75f64.sqrt(); mesh.points.len()];
+    assert!(!regions(&mesh, &errors).is_significant());
+}
+
+#[test]
+fn no_mesh_makes_the_search_panic() {
+    let mut random = 1;
+    let mut next = |most: usize| {
+        random += 1;
+        crate::geometry::random::scattered(random) as usize % most
+    };
+    for round in 0..60 {
+        let mut mesh = Mesh::default();
+        let points = 3 + next(30);
+        for _ in 0..points {
+            // Few places, so that many triangles are degenerate, doubled or coplanar.
+            let p = [0; 3].map(|_| next(3 + round % 4) as f64);
+            mesh.points.push(Point::new(p[0], p[1], p[2]));
+        }
+        for _ in 0..next(80) {
+            let corners = [0; 3].map(|_| VertexId::from(next(points)));
+            if corners[0] != corners[1] && corners[1] != corners[2] && corners[0] != corners[2] {
+                mesh.triangles.push(corners);
+            }
+        }
+        let errors = vec![[1e-7, 1e-3, 0.3][round % 3]; points];
+        let found = regions(&mesh, &errors);
+        assert_eq!(found.of_triangle.len(), mesh.triangles.len());
+        let all: usize = found.regions.iter().map(|r| r.triangles.len()).sum();
+        assert_eq!(all, mesh.triangles.len());
+    }
+}
