@@ -41,6 +41,7 @@ mod weld;
 
 pub use crate::geometry::Bound;
 pub(crate) use adjacency::Adjacency;
+pub(crate) use build::orient;
 pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
