@@ -19,7 +19,7 @@ pub(crate) struct FaceTree<'a, S> {
 
 impl<'a, S: ParametricSurface> FaceTree<'a, S> {
     /// Builds the tree.
-    pub fn new(faces: Vec<TrimmedFace<'a, S>>) -> Self {
+    pub(crate) fn new(faces: Vec<TrimmedFace<'a, S>>) -> Self {
         let of_face = |(number, face): (usize, &TrimmedFace<S>)| {
             let [low, high] = face.bounds()?;
             let around = Rectangle::from_corners(low.into(), high.into());

@@ -10,7 +10,7 @@ pub(crate) struct Quarter(pub usize);
 impl Quarter {
     /// The place to which the turn takes (x, y). With an `end` of zero the coordinates are those of a
     /// direction.
-    pub fn turned<T: Copy + Sub<Output = T>>(self, end: T, [x, y]: [T; 2]) -> [T; 2] {
+    pub(crate) fn turned<T: Copy + Sub<Output = T>>(self, end: T, [x, y]: [T; 2]) -> [T; 2] {
         match self.0 {
             0 => [x, y],
             1 => [end - y, x],

@@ -15,7 +15,7 @@ const CANDIDATES: [usize; 2] = [16, 256];
 
 impl<P: Copy> FacingPlaces<P> {
     /// Builds the search structure.
-    pub fn new(samples: Vec<(P, Point, Vector)>) -> Self {
+    pub(crate) fn new(samples: Vec<(P, Point, Vector)>) -> Self {
         let points: Vec<Point> = samples.iter().map(|sample| sample.1).collect();
         let places = samples.into_iter().map(|(place, _, normal)| (place, normal)).collect();
         FacingPlaces { places, tree: Neighbours::new(&points) }
