@@ -55,7 +55,7 @@ impl Front<'_> {
         let ear = |front: &Self, node: usize| {
             let beside = [front.loops.before(node), front.loops.after(node)];
             let own = front.angle(node);
-            (own < angle).then(|| Reverse((OrderedFloat(own), node, beside)))
+            (own < angle).then_some(Reverse((OrderedFloat(own), node, beside)))
         };
         let mut order: BinaryHeap<_> =
             self.loops.all().filter_map(|node| ear(self, node)).collect();
