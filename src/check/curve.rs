@@ -8,6 +8,7 @@ use formats::spline::SplineCurve;
 use nalgebra::SVector;
 
 use super::loops::COMPARED;
+use crate::geometry::NEGLIGIBLE;
 
 /// The segment of a curve that an edge uses.
 #[derive(Debug, Clone, Copy)]
@@ -97,9 +98,9 @@ fn between<const D: usize>(
             };
             let (start, mut end) = (at(from), at(to));
             // If both points are the same, the segment is the whole ellipse.
-            if end <= start || (to - from).norm() <= 1e-9 * x.norm() {
+            if end <= start || (to - from).norm() <= NEGLIGIBLE * x.norm() {
                 end = start + (end - start).rem_euclid(std::f64::consts::TAU);
-                let closed = end - start < 1e-9;
+                let closed = end - start < NEGLIGIBLE;
                 end += if closed { std::f64::consts::TAU } else { 0.0 };
             }
             Some((start, end))

@@ -81,7 +81,8 @@ impl Tracer<'_> {
     /// The largest distance of a corner from the next one, and from the line between their parameter
     /// points. This line is long where the file omits the edge of a pole.
     fn joint_gap(&self, end: TracePoint, start: TracePoint) -> f64 {
-        let between = [0.25, 0.5, 0.75].map(|s| self.surface.point(end.0 + s * (start.0 - end.0)));
+        let between =
+            [0.25, 0.5, 3.0 / 4.0].map(|s| self.surface.point(end.0 + s * (start.0 - end.0)));
         let farthest = between.iter().chain([&start.1]).map(|p| (p - end.1).norm());
         farthest.fold(0.0, f64::max)
     }

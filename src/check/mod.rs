@@ -13,7 +13,7 @@ mod surface;
 use formats::cad::{CadFace, CadModel};
 use rayon::prelude::*;
 
-use crate::deviation::{Deviation, SAMPLED, TrimmedFace, nearest_of};
+use crate::deviation::{Deviation, FaceTree, SAMPLED, TrimmedFace};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, box_of, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
@@ -78,7 +78,8 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
     let each = faces.par_iter().map(|face| FaceSamples::of(face, spacing, MAX_SAMPLES));
     let samples: Vec<FaceSamples> = each.collect();
 
-    let to_faces = measured.par_iter().map(|&p| nearest_of(&faces, p).0).collect();
+    let tree = FaceTree::new(faces);
+    let to_faces = measured.par_iter().map(|&p| tree.nearest(p).0).collect();
     let triangles = Triangles::new(scan);
     let points: Vec<Point> = samples.iter().flat_map(|s| s.points.iter().copied()).collect();
     let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();

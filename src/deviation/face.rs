@@ -154,10 +154,9 @@ impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
         (best.at, best.distance)
     }
 
-    /// A lower bound on the distance of `p` from the face in mm: its distance from a box around the
-    /// face.
-    pub(crate) fn outside(&self, p: Point) -> f64 {
-        self.search.outside(p)
+    /// The corners of a box around the face. `None` if no cell of the surface is on the face.
+    pub(crate) fn bounds(&self) -> Option<[Point; 2]> {
+        self.search.bounds()
     }
 }
 

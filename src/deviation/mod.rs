@@ -14,7 +14,7 @@ pub(crate) use face_to_scan::{
     MissedTriangle, SAMPLED, SAMPLES_PER_CELL, SurfaceOverMesh, middles, narrowest, samples_along,
     spanned,
 };
-pub(crate) use network::nearest_of;
+pub(crate) use network::FaceTree;
 pub use network::{FaceMiss, NetworkToScan, network_to_scan, of_network};
 pub use tessellation::{crossing_faces, tessellation};
 

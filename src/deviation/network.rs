@@ -1,35 +1,49 @@
 //! The distances of points from the faces of a network, and of the faces from a mesh.
 
 use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::{GeomWithData, Rectangle};
 
 use super::{Deviation, FaceToScan, TrimmedFace};
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::{Mesh, QuadMesh, Triangles, nearest_on};
-use crate::spline::{KeptFace, KeptPlaces, Network, NetworkCut, ParametricSurface};
+use crate::spline::{
+    KeptFace, KeptPlaces, Network, NetworkCut, ParametricSurface, SAMPLES_PER_SPAN,
+};
 
-/// The number of samples of each span in u and in v. Between two samples a span moves away from its
-/// chord by less than a ninth of its height.
-const SAMPLES: usize = 3;
+/// Several faces, with a tree of the boxes around them.
+pub(crate) struct FaceTree<'a, S> {
+    faces: Vec<TrimmedFace<'a, S>>,
+    boxes: RTree<GeomWithData<Rectangle<[f64; 3]>, usize>>,
+}
 
-/// The distance of `p` from the nearest of several faces, the number of this face, and the place on it.
-/// The distance is infinite if there are no faces.
-pub(crate) fn nearest_of<S: ParametricSurface>(
-    faces: &[TrimmedFace<S>],
-    p: Point,
-) -> (f64, usize, Uv) {
-    let mut order: Vec<(f64, usize)> =
-        faces.iter().enumerate().map(|(number, face)| (face.outside(p), number)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best = (f64::INFINITY, 0, Uv::origin());
-    for (outside, number) in order {
-        if outside < best.0 {
-            let (at, distance) = faces[number].nearest(p, None);
-            if distance < best.0 {
-                best = (distance, number, at);
+impl<'a, S: ParametricSurface> FaceTree<'a, S> {
+    /// Builds the tree.
+    pub(crate) fn new(faces: Vec<TrimmedFace<'a, S>>) -> Self {
+        let of_face = |(number, face): (usize, &TrimmedFace<S>)| {
+            let [low, high] = face.bounds()?;
+            let around = Rectangle::from_corners(low.into(), high.into());
+            Some(GeomWithData::new(around, number))
+        };
+        let boxes = RTree::bulk_load(faces.iter().enumerate().filter_map(of_face).collect());
+        FaceTree { faces, boxes }
+    }
+
+    /// The distance of `p` from the nearest face, the number of this face, and the place on it. Of faces at
+    /// the same distance it is the first. The distance is infinite if there are no faces.
+    pub(crate) fn nearest(&self, p: Point) -> (f64, usize, Uv) {
+        let mut best = (f64::INFINITY, 0, Uv::origin());
+        for (entry, squared) in self.boxes.nearest_neighbor_iter_with_distance_2(p.into()) {
+            if squared.sqrt() > best.0 {
+                break;
+            }
+            let (at, distance) = self.faces[entry.data].nearest(p, None);
+            if (distance, entry.data) < (best.0, best.1) {
+                best = (distance, entry.data, at);
             }
         }
+        best
     }
-    best
 }
 
 /// The deviation of points from the faces that a cut leaves of a network, the sides of the faces that they
@@ -41,10 +55,10 @@ pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Devi
         let loops = if natural { Vec::new() } else { cut.boundary(network, face) };
         TrimmedFace::new(surface, loops.iter().map(Vec::as_slice), natural)
     };
-    let faces: Vec<_> = cut.faces.iter().map(face).collect();
+    let tree = FaceTree::new(cut.faces.iter().map(face).collect());
     let each = points.par_iter().map(|&p| {
-        let (distance, number, at) = nearest_of(&faces, p);
-        (distance, (faces[number].is_above(p, at), number))
+        let (distance, number, at) = tree.nearest(p);
+        (distance, (tree.faces[number].is_above(p, at), number))
     });
     let (distances, (above, faces)): (Vec<f64>, (Vec<bool>, Vec<usize>)) = each.unzip();
     Deviation { faces, ..Deviation::of(points, distances).with_sides(above) }
@@ -123,7 +137,7 @@ pub fn network_to_scan(
             let is_measured = is_measured[t];
             NetworkSample { face, uv: at, at: jet.s, off, corners, is_measured, wanted, inverted }
         };
-        let places = surface.middles(SAMPLES).into_iter();
+        let places = surface.middles(SAMPLES_PER_SPAN).into_iter();
         places.filter(|&at| kept.contains(face, at)).map(sample).collect::<Vec<_>>()
     };
     let faces = network.surfaces.par_iter().enumerate();

@@ -1,10 +1,15 @@
 //! Types for points in space, points in the parameter plane, vertex indices and boundary loops,
 //! with elementary geometric functions.
 
+mod ordered;
+mod quarter;
 pub(crate) mod random;
 pub(crate) mod sets;
 
 use std::fmt;
+
+pub(crate) use ordered::OrderedFloat;
+pub(crate) use quarter::Quarter;
 
 /// A point in space. The unit is mm, or the pipeline's unit of length inside `convert`.
 pub type Point = nalgebra::Point3<f64>;
@@ -36,6 +41,10 @@ pub(crate) const MOST_ROUNDS: usize = 60;
 /// The relative rounding of a computed number. A program that computes a place twice, say with sines
 /// and cosines, gets numbers that differ by about this share.
 pub(crate) const ROUNDING: f64 = 1e-12;
+
+/// A share that no result shows: the square root of [`ROUNDING`]. What is so much shorter than what is beside it
+/// has no direction, and a change so much smaller than what changes is none.
+pub(crate) const NEGLIGIBLE: f64 = 1e-6;
 
 /// An outlier is at least so many times as far off as its neighbours. Where the shape is missed, as along a
 /// sharp edge, these are about as far off.

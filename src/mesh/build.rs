@@ -132,6 +132,15 @@ fn drop_duplicates(points: usize, triangles: &mut Vec<[VertexId; 3]>, repairs: &
     count(repairs, "duplicate_faces", before - triangles.len());
 }
 
+/// Turns triangles so that neighbours agree, most of each component as they were. Returns the triangles that
+/// cannot agree with all of their neighbours, in ascending order.
+pub(crate) fn orient(mesh: &mut Mesh) -> Vec<usize> {
+    let mut build = Build::new(std::mem::take(mesh), Vec::new(), 1.0);
+    build.orient();
+    *mesh = build.mesh;
+    build.twisted
+}
+
 impl Build {
     /// A mesh without any repairs, whose unit is `mm` millimetres long.
     pub(super) fn new(mesh: Mesh, place: Vec<u32>, mm: f64) -> Self {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::build::{Build, count};
 use super::{EdgeMap, Mesh, VertexRings};
-use crate::geometry::VertexId;
+use crate::geometry::{ROUNDING, VertexId};
 
 /// A triangle is a cap if its height is below this share of its longest side. The value is far
 /// below the resolution of single precision.
@@ -84,7 +84,7 @@ fn longest_if_flat(mesh: &Mesh, t: [VertexId; 3]) -> Option<usize> {
     let long = squares[0].max(squares[1]).max(squares[2]);
     let short = squares[0].min(squares[1]).min(squares[2]);
     let is_flat = (b - a).cross(&(c - a)).norm_squared() <= (FLAT * long).powi(2);
-    (is_flat && short > 1e-12 * long).then(|| squares.iter().position(|&s| s == long))?
+    (is_flat && short > ROUNDING * long).then(|| squares.iter().position(|&s| s == long))?
 }
 
 #[cfg(test)]

@@ -7,6 +7,9 @@ use nalgebra::Rotation3;
 
 use crate::geometry::{Point, Vector};
 
+/// The axis about which points are rotated, and its length is the angle. Results do not depend on it.
+const TURN: [f64; 3] = [0.61, -0.37, 0.83];
+
 /// Finds the points of a fixed cloud within a radius of a place.
 pub struct Neighbours {
     tree: ImmutableKdTree<f64, 3>,
@@ -26,7 +29,7 @@ impl Neighbours {
     /// coordinates make the splits of the tree degenerate and its construction slow. The points are
     /// therefore rotated about an arbitrary axis first.
     pub fn new(points: &[Point]) -> Self {
-        let turn = Rotation3::new(Vector::new(0.61, -0.37, 0.83));
+        let turn = Rotation3::new(Vector::from(TURN));
         let turned: Vec<[f64; 3]> = points.iter().map(|p| (turn * p).coords.into()).collect();
         #[expect(clippy::expect_used, reason = "kiddo refuses only what is not finite")]
         let tree = ImmutableKdTree::new_from_slice(&turned)

@@ -10,7 +10,7 @@ use rstar::{AABB, RTree};
 
 use super::bezier_piece::{BezierPiece, run_on};
 use super::{Curve, LoopFault};
-use crate::geometry::{Uv, uv_bounds};
+use crate::geometry::{ROUNDING, Uv, uv_bounds};
 
 /// The smallest distance in (u, v) between two loops, between different parts of a loop, and between a
 /// loop and the end of the domain. Importers treat curves that are nearer as touching, and refuse a
@@ -36,7 +36,7 @@ impl CertifiedLoop {
     pub fn new(arcs: &[Curve<2>]) -> Result<Self, LocatedFault> {
         let pieces = BezierPiece::all(arcs).ok_or((LoopFault::Open, None))?;
         let closed = |(i, p): (usize, &BezierPiece)| {
-            (p.end() - pieces[(i + 1) % pieces.len()].start()).amax() <= 1e-12
+            (p.end() - pieces[(i + 1) % pieces.len()].start()).amax() <= ROUNDING
         };
         if !pieces.iter().enumerate().all(closed) {
             return Err((LoopFault::Open, None));

@@ -45,7 +45,7 @@ impl<T: Copy, P: Fn(&T) -> Point> ChordPolyline<'_, T, P> {
         let from = self.points.last().map_or_else(|| (self.place)(&(self.at)(a)), &self.place);
         let to = (self.place)(&end);
         let off = |s: f64| segment_distance((self.place)(&(self.at)(a + s * (b - a))), from, to);
-        if halvings == 0 || [0.5, 0.25, 0.75].iter().all(|s| off(*s) <= self.chord) {
+        if halvings == 0 || [0.5, 0.25, 3.0 / 4.0].iter().all(|s| off(*s) <= self.chord) {
             self.points.push(end);
             return;
         }

@@ -3,7 +3,7 @@
 use nalgebra::{SVector, Vector3};
 
 use super::{Curve, KnotVector, MOST_HALVINGS, Surface};
-use crate::geometry::{Uv, Vector};
+use crate::geometry::{MOST_ROUNDS, ROUNDING, Uv, Vector};
 
 /// After this number of halvings, a halving that does not at least halve the error is the last one.
 /// The remaining error is then due to rounding.
@@ -34,8 +34,8 @@ pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
 pub fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64 {
     let mut worst: f64 = 0.0;
     for span in edge.knots.breaks().windows(2) {
-        for k in 0..=16 {
-            let t = span[0] + (span[1] - span[0]) * f64::from(k) / 16.0;
+        for k in 0..=SAMPLES {
+            let t = span[0] + (span[1] - span[0]) * k as f64 / SAMPLES as f64;
             let off = (edge.point(t) - surface.point(Uv::from(pcurve.point(t))).coords).norm();
             if off.is_nan() {
                 return off;
@@ -58,7 +58,7 @@ pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     }
     all.sort_by(f64::total_cmp);
     let (first, last) = c.knots.range();
-    let least = 1e-9 * (last - first);
+    let least = ROUNDING * (last - first);
     // Knots of the pcurve are kept exactly; a crossing next to one is not needed. The first and the
     // last break stay the ends of the range.
     let mut breaks: Vec<f64> = Vec::with_capacity(all.len());
@@ -73,9 +73,9 @@ pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     breaks
 }
 
-/// The number of parts of a piece in which a crossing of a line is looked for. A cubic turns back at most
-/// twice, so that crossings that share a part are a near touch.
-const SAMPLES: usize = 16;
+/// The number of parts of a piece in which a crossing of a line is looked for, and between which its distance from
+/// the surface is measured. A cubic turns back at most twice, so that crossings that share a part are a near touch.
+const SAMPLES: usize = 12;
 
 /// Parameters in (a, b) at which coordinate `axis` equals one of the ascending `levels`. The curve
 /// must be a single polynomial there. Crossings are bracketed between samples and found by
@@ -91,7 +91,7 @@ fn crossings(c: &Curve<2>, axis: usize, levels: &[f64], a: f64, b: f64, found: &
             levels.partition_point(|&l| l <= least)..levels.partition_point(|&l| l < most);
         for &level in levels.get(between).unwrap_or_default() {
             let (mut low, mut high) = (at(i - 1), at(i));
-            for _ in 0..60 {
+            for _ in 0..MOST_ROUNDS {
                 let middle = 0.5 * (low + high);
                 if (value(middle) - level) * (before - level) > 0.0 {
                     low = middle;
@@ -117,7 +117,7 @@ fn composed(surface: &Surface, c: &Curve<2>, t: f64) -> [Vector; 3] {
 /// The Bézier points of the quintic with the given position and derivatives at both ends of a range
 /// of length `w`.
 fn hermite(a: &[Vector; 3], b: &[Vector; 3], w: f64) -> [Vector; 6] {
-    let (first, second) = (w / 5.0, w * w / 20.0);
+    let (first, second) = (w / 5.0, w * w / (4.0 * 5.0));
     [
         a[0],
         a[0] + a[1] * first,
@@ -151,12 +151,12 @@ fn refine(
 ) {
     let quintic = hermite(&composed(surface, c, a), &composed(surface, c, b), b - a);
     let off = |i: usize| {
-        let s = i as f64 / 12.0;
+        let s = i as f64 / SAMPLES as f64;
         let exact = surface.point(Uv::from(c.point(a + s * (b - a)))).coords;
         (bezier(&quintic, s) - exact).norm()
     };
     // A NaN error does not become a number by halving; it is ignored here.
-    let worst = (1..12).map(off).fold(0.0, f64::max);
+    let worst = (1..SAMPLES).map(off).fold(0.0, f64::max);
     let stuck = halvings + SURE_HALVINGS <= MOST_HALVINGS && worst > 0.5 * before;
     if halvings == 0 || worst <= eps || stuck {
         knots.push(b);

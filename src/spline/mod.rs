@@ -43,6 +43,10 @@ pub use surface::{Jet, ParametricSurface, Surface};
 /// equally near points, such as the centre of a sphere, take very long.
 pub(crate) const ACCURACY: f64 = 1e-7;
 
+/// The number of samples of each span in u and in v that show its shape: between two samples a span moves away from
+/// its chord by less than a ninth of its height. Newton's method finds foot points from the nearest of them.
+pub(crate) const SAMPLES_PER_SPAN: usize = 3;
+
 /// The largest number of times that a part of a curve or a surface is halved. Smaller parts are below
 /// the resolution of floating-point numbers.
 const MOST_HALVINGS: usize = 24;

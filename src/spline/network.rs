@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Curve, Surface};
-use crate::geometry::{Point, Uv, Vector};
+use crate::geometry::{Point, Quarter, Uv, Vector};
 
 /// Surfaces over squares whose sides are shared curves.
 ///
@@ -131,22 +131,12 @@ impl SideUse {
     /// inside. `end` is the highest parameter.
     pub(crate) fn place(&self, end: f64, t: f64, depth: f64) -> Uv {
         let along = if self.forward { t } else { end - t };
-        match self.k {
-            0 => Uv::new(along, depth),
-            1 => Uv::new(end - depth, along),
-            2 => Uv::new(end - along, end - depth),
-            _ => Uv::new(depth, end - along),
-        }
+        Quarter(self.k).turned(end, [along, depth]).into()
     }
 
     /// The inverse of `place`: the parameter of the track, and the depth.
     pub fn from_place(&self, end: f64, at: Uv) -> (f64, f64) {
-        let (along, depth) = match self.k {
-            0 => (at.x, at.y),
-            1 => (at.y, end - at.x),
-            2 => (end - at.x, end - at.y),
-            _ => (end - at.y, at.x),
-        };
+        let [along, depth] = Quarter(self.k).turned_back(end, at.into());
         (if self.forward { along } else { end - along }, depth)
     }
 }

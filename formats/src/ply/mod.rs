@@ -112,7 +112,7 @@ fn channel_scale(element: &Element) -> Option<f64> {
     if all(&[ScalarType::UChar]) {
         return Some(1.0);
     }
-    all(&[ScalarType::Float, ScalarType::Double]).then_some(255.0)
+    all(&[ScalarType::Float, ScalarType::Double]).then_some(f64::from(u8::MAX))
 }
 
 fn read_faces(body: &mut PlyBody, element: &Element, soup: &mut Soup) -> Result<()> {

@@ -12,7 +12,7 @@ pub(super) fn write(
     colour: [u8; 3],
     context: Id,
 ) -> io::Result<()> {
-    let [r, g, b] = colour.map(|channel| StepReal(f64::from(channel) / 255.0));
+    let [r, g, b] = colour.map(|channel| StepReal(f64::from(channel) / f64::from(u8::MAX)));
     let colour = add!(file, "COLOUR_RGB('',{r},{g},{b})")?;
     let colour = add!(file, "FILL_AREA_STYLE_COLOUR('',{colour})")?;
     let area = add!(file, "FILL_AREA_STYLE('',({colour}))")?;

@@ -7,7 +7,7 @@ use robust::{Coord3D, orient3d};
 pub(crate) use box_blocks::{BoxBlock, BoxBlocks, NumberedBox, around, overlap};
 
 use super::Mesh;
-use crate::geometry::{Point, VertexId};
+use crate::geometry::{Point, ROUNDING, VertexId};
 
 /// The pairs of triangles of a mesh that go through each other.
 pub fn crossings(mesh: &Mesh) -> Vec<[usize; 2]> {
@@ -48,7 +48,7 @@ pub fn cut([s, t]: [[VertexId; 3]; 2], [at_s, at_t]: [[Point; 3]; 2]) -> bool {
 /// to rounding. Neighbours are.
 fn is_beside([a, b, c]: [Point; 3], other: [Point; 3]) -> bool {
     let normal = (b - a).cross(&(c - a));
-    let rounding = 1e-12 * normal.norm();
+    let rounding = ROUNDING * normal.norm();
     [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| {
         let inwards = normal.cross(&(q - p));
         let nothing = rounding * (q - p).norm_squared();

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, VecDeque};
 
 use crate::geometry::random::scattered;
-use crate::geometry::{NONE, Point, VertexId};
+use crate::geometry::{NONE, OrderedFloat, Point, VertexId};
 use crate::mesh::{EdgeMap, Mesh, Neighbours, boundary};
 
 /// The labelled edges of a component, and short chords across its boundary loops. A chord stands for a way
@@ -118,9 +118,9 @@ impl<'a> LabelledEdges<'a> {
         let mut heap = BinaryHeap::new();
         let start = Reached { distance: 0.0, label: 0, parent: first, is_done: false };
         reached.insert(first, start);
-        heap.push(Reverse((Distance(0.0), first)));
+        heap.push(Reverse((OrderedFloat(0.0), first)));
         let mut best: Option<(f64, u64, [u32; 2])> = None;
-        while let Some(Reverse((Distance(distance), v))) = heap.pop() {
+        while let Some(Reverse((OrderedFloat(distance), v))) = heap.pop() {
             let bound = best.map_or(longest, |best| best.0);
             if 2.0 * distance > bound {
                 break;
@@ -145,7 +145,7 @@ impl<'a> LabelledEdges<'a> {
                     _ => {
                         let new = Reached { distance: there, label, parent: v, is_done: false };
                         reached.insert(w, new);
-                        heap.push(Reverse((Distance(there), w)));
+                        heap.push(Reverse((OrderedFloat(there), w)));
                     }
                 }
             }
@@ -178,24 +178,6 @@ struct Reached {
     label: u64,
     parent: u32,
     is_done: bool,
-}
-
-/// A distance in the order of a heap.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Distance(f64);
-
-impl Eq for Distance {}
-
-impl PartialOrd for Distance {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Distance {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 /// Which sides stand for the edges of a tree over all vertices.

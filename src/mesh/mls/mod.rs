@@ -17,7 +17,7 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::{Mesh, Neighbours, VertexRings};
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, ROUNDING, Vector, VertexId};
 
 /// Points beyond this multiple of h are left out. Their weight is below 0.7 %.
 pub(crate) const REACH: f64 = 2.25;
@@ -126,7 +126,7 @@ pub(crate) fn smoothed_normals(mesh: &Mesh, rings: &VertexRings) -> Vec<Vector> 
         let mean = |i: usize| {
             let around = rings.neighbours(mesh, VertexId::from(i)).map(|v| normals[v.index()]);
             let sum = around.fold(normals[i], |sum, n| sum + n);
-            sum.try_normalize(1e-12).unwrap_or(normals[i])
+            sum.try_normalize(ROUNDING).unwrap_or(normals[i])
         };
         normals = (0..normals.len()).into_par_iter().map(mean).collect();
     }

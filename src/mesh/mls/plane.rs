@@ -3,7 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::Sample;
-use crate::geometry::{Point, Vector, plane_axes};
+use crate::geometry::{MOST_ROUNDS, Point, ROUNDING, Vector, plane_axes};
+use crate::solve::shares;
 
 /// A plane through a point.
 #[derive(Debug, Clone, Copy)]
@@ -70,8 +71,8 @@ pub fn reference_plane(
     }
     let (mut n, mut t) = (normal, 0.0);
     let mut at = energy(r, n, t, around, h);
-    for _ in 0..20 {
-        let damped = at.matrix + Matrix3::identity() * (1e-12 * at.matrix.trace());
+    for _ in 0..MOST_ROUNDS {
+        let damped = at.matrix + Matrix3::identity() * (ROUNDING * at.matrix.trace());
         let step = -damped.cholesky()?.solve(&at.gradient);
         let (x, y) = plane_axes(n);
         if step.x.abs() < CONVERGED * h && step.yz().norm() < CONVERGED {
@@ -80,19 +81,12 @@ pub fn reference_plane(
             n = (n + step.y * x + step.z * y).normalize();
             break;
         }
-        let mut share = 1.0;
-        let accepted = loop {
+        let accepted = shares().find_map(|share| {
             let t2 = (t + share * step.x).clamp(-h, h);
             let n2 = (n + share * (step.y * x + step.z * y)).normalize();
             let next = energy(r, n2, t2, around, h);
-            if next.value <= at.value {
-                break Some((n2, t2, next));
-            }
-            share *= 0.5;
-            if share < 1e-3 {
-                break None;
-            }
-        };
+            (next.value <= at.value).then_some((n2, t2, next))
+        });
         let Some(better) = accepted else { break };
         (n, t, at) = better;
     }

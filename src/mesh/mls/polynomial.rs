@@ -164,7 +164,7 @@ fn means(rows: &[FitRow]) -> [f64; 6] {
 
 /// Whether the mean of the points is farther from the origin than a fifth of h.
 fn is_one_sided([_, x, y, ..]: [f64; 6]) -> bool {
-    x.hypot(y) > 0.2
+    5.0 * x.hypot(y) > 1.0
 }
 
 /// Four places around the mean of the points, two along each column of a square root of their

@@ -2,7 +2,7 @@
 
 use smallvec::SmallVec;
 
-use crate::geometry::Point;
+use crate::geometry::{Point, ROUNDING};
 
 /// The triangle to the left of each directed side.
 pub(crate) struct Sides {
@@ -120,5 +120,5 @@ fn opposite(t: [usize; 3], a: usize, b: usize) -> usize {
 /// Whether the side a b between c and d clearly violates the Delaunay criterion.
 fn gains(points: &[Point], corners: [usize; 4]) -> bool {
     let [a, b, c, d] = corners.map(|v| points[v]);
-    cotangent(c, a, b) + cotangent(d, b, a) < -1e-9
+    cotangent(c, a, b) + cotangent(d, b, a) < -ROUNDING
 }

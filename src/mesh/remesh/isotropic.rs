@@ -38,7 +38,7 @@ pub fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Me
         }
         collapse(&points, &mut triangles, length, &mut |done| progress(0.5 * done))?;
         flip_edges(&points, &mut triangles);
-        progress(0.75)?;
+        progress(3.0 / 4.0)?;
         move_points(&mut points, &triangles, scan, &surface);
     }
     Ok(used(points, &triangles))

@@ -6,13 +6,10 @@ use smallvec::SmallVec;
 
 use super::flips::{EdgeFlip, Sides, flip};
 use super::{FLAT, FOLDED, Sizes, TOO_LONG};
-use crate::geometry::{Point, Vector, VertexId, unit_normal};
+use crate::geometry::{MOST_ROUNDS, Point, Vector, VertexId, unit_normal};
 
 /// The triangulation has at most this multiple of the number of rim corners.
 const MAX_POINTS_RATIO: usize = 40;
-
-/// The largest number of rounds. Each round halves the longest edges.
-const MAX_ROUNDS: usize = 16;
 
 /// A triangulation over the corners of rims, which stay in place. The other points follow them.
 pub struct RimTriangulation {
@@ -29,7 +26,7 @@ impl RimTriangulation {
     /// Divides edges, flips them and moves points until all edges are short enough. Corners that
     /// are `joined` outside this triangulation are not joined by a flip.
     pub(crate) fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..MOST_ROUNDS {
             let divided = self.divide(sizes);
             self.flip(&joined);
             self.smooth_points();
@@ -78,7 +75,7 @@ impl RimTriangulation {
 
     /// Moves points near folded sides until nothing folds or the points stop moving.
     pub(crate) fn unfold(&mut self, joined: impl Fn(usize, usize) -> bool) {
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..MOST_ROUNDS {
             let before = self.points.clone();
             self.flip(&joined);
             self.smooth_points();

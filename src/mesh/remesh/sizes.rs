@@ -1,6 +1,6 @@
 //! The wanted edge lengths of a triangulation within rims.
 
-use crate::geometry::Point;
+use crate::geometry::{NEGLIGIBLE, Point};
 use crate::mesh::Neighbours;
 
 /// Edge lengths graded from the rim. The fill is as fine as the rim beside it. Away from the rim,
@@ -36,7 +36,7 @@ impl Sizes {
         let mean = sizes.iter().sum::<f64>() / sizes.len() as f64;
         let near = Neighbours::new(&rim);
         // No length may be so small that it is negligible beside the others.
-        let sizes = sizes.into_iter().map(|s| s.max(1e-3 * mean)).collect();
+        let sizes = sizes.into_iter().map(|s| s.max(NEGLIGIBLE * mean)).collect();
         Sizes { near, rim, sizes, mean }
     }
 

@@ -209,7 +209,7 @@ impl SurfaceCell {
 
 /// A bound on the length of a vector-valued polynomial, from its values at the nodes.
 fn longest(values: &[Vector; 16], factor: f64) -> f64 {
-    let mean = values.iter().sum::<Vector>() / 16.0;
+    let mean = values.iter().sum::<Vector>() / values.len() as f64;
     let off = values.iter().map(|v| (v - mean).norm_squared()).fold(0.0, f64::max).sqrt();
     mean.norm() + factor * off
 }

@@ -18,15 +18,11 @@ mod tests;
 pub(crate) use super::foot::Foot;
 use super::foot::descend;
 use super::{ACCURACY, MOST_HALVINGS, ParametricSurface};
-use crate::geometry::{Point, ROUNDING, Uv};
+use crate::geometry::{NEGLIGIBLE, Point, ROUNDING, Uv};
 use cell::SurfaceCell;
 use grid::CellGrid;
 use proof::NearestProof;
 use tree::BoxTree;
-
-/// Newton's last step in a cell, as a share of its side. The bounds account for the remaining
-/// gradient.
-const LAST_STEP: f64 = 1e-5;
 
 /// The nearest place known so far.
 #[derive(Debug, Clone, Copy)]
@@ -60,9 +56,9 @@ impl NearestSearch {
         NearestSearch { grid, proofs, tree, exact }
     }
 
-    /// A lower bound on the distance of `p` from the part.
-    pub(crate) fn outside(&self, p: Point) -> f64 {
-        self.tree.outside(p)
+    /// The corners of a box around the part. `None` if the part has no cell.
+    pub(crate) fn bounds(&self) -> Option<[Point; 2]> {
+        self.tree.nodes.first().map(|whole| [whole.low, whole.high])
     }
 
     /// A start for a descent if none is known: a place in a cell whose box is near `p`.
@@ -134,7 +130,8 @@ impl<S: ParametricSurface + ?Sized> CellSearch<'_, S> {
             return;
         }
         let part = CellRestriction { surface: self.surface, low: cell.low, high: cell.high };
-        let last = LAST_STEP * (cell.high - cell.low).min();
+        // The bounds account for the remaining gradient.
+        let last = NEGLIGIBLE * (cell.high - cell.low).min();
         let foot = descend(&part, self.p, near, [true; 2], last);
         if foot.distance < self.best.distance && (self.accepts)(foot.at) {
             self.best = NearestPlace { at: foot.at, distance: foot.distance };

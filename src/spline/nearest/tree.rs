@@ -86,11 +86,6 @@ impl BoxTree {
         self.nodes.first().map_or(0.0, |root| (root.high - root.low).norm())
     }
 
-    /// The distance from `p` to this box.
-    pub(crate) fn outside(&self, p: Point) -> f64 {
-        self.nodes.first().map_or(f64::INFINITY, |root| root.outside(p))
-    }
-
     /// A cell whose box is near `p`. The descent takes the nearer child of each node.
     pub(crate) fn near(&self, p: Point) -> Option<usize> {
         let key = |n: usize| {

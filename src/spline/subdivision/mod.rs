@@ -11,8 +11,9 @@ mod table;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use crate::geometry::{Point, Uv, Vector, VertexId};
+use crate::geometry::{Point, Quarter, Uv, Vector, VertexId};
 use rings::HalfEdges;
+pub(crate) use table::REGULAR;
 use table::Table;
 
 /// The structure of a subdivision surface: which control points each place depends on, and with
@@ -88,25 +89,16 @@ impl SubdivisionSurface {
     /// in the order of [`SubdivisionSurface::control`].
     pub(crate) fn basis(&self, place: QuadPlace, out: &mut Vec<[f64; 3]>) {
         let (origin, valence) = self.origins[place.quad];
-        let (s, t) = (place.at.x, place.at.y);
-        let (u, v) = match origin {
-            0 => (s, t),
-            1 => (t, 1.0 - s),
-            2 => (1.0 - s, 1.0 - t),
-            _ => (1.0 - t, s),
-        };
+        let origin = Quarter(usize::from(origin));
+        let [u, v] = origin.turned_back(1.0, place.at.into());
         out.clear();
         if let Some(table) = self.tables.get(&valence) {
             table.basis(u, v, out);
         }
         for weight in out {
             let [value, du, dv] = *weight;
-            *weight = match origin {
-                0 => [value, du, dv],
-                1 => [value, -dv, du],
-                2 => [value, -du, -dv],
-                _ => [value, dv, -du],
-            };
+            let [du, dv] = origin.turned(0.0, [du, dv]);
+            *weight = [value, du, dv];
         }
     }
 
@@ -229,12 +221,7 @@ mod tests {
         let surface = SubdivisionSurface::new(&quads).unwrap();
         let mut scratch = Vec::new();
         // Places on side k of a quad, from its start to its end.
-        let on = |k: usize, t: f64| match k {
-            0 => Uv::new(t, 0.0),
-            1 => Uv::new(1.0, t),
-            2 => Uv::new(1.0 - t, 1.0),
-            _ => Uv::new(0.0, 1.0 - t),
-        };
+        let on = |k: usize, t: f64| Quarter(k).turned(1.0, [t, 0.0]).into();
         for (quad, k) in (0..4 * quads.len()).map(|h| (h / 4, h % 4)) {
             let (other, side) = surface.across(quad, k);
             for t in [0.1, 0.37, 0.8] {
@@ -260,13 +247,8 @@ mod tests {
         for (quad, k) in (0..4 * quads.len()).map(|h| (h / 4, h % 4)) {
             let ring = surface.ring(quad, k);
             let e = 1e-7;
-            let near = match k {
-                0 => Uv::new(e, 0.0),
-                1 => Uv::new(1.0, e),
-                2 => Uv::new(1.0 - e, 1.0),
-                _ => Uv::new(0.0, 1.0 - e),
-            };
-            let jet = surface.jet(&control, QuadPlace { quad, at: near }, &mut scratch);
+            let near = QuadPlace { quad, at: Quarter(k).turned(1.0, [e, 0.0]).into() };
+            let jet = surface.jet(&control, near, &mut scratch);
             let off = jet[0] - limit_point(&ring, &control).coords;
             assert!(off.norm() < 1e-3);
             let along = [jet[1], jet[2], -jet[1], -jet[2]][k].normalize();

@@ -80,7 +80,7 @@ impl Table {
 /// `4 (j + 1) + i + 1` in the grid.
 ///
 /// [`HalfEdges::control`]: super::rings::HalfEdges::control
-const REGULAR: [usize; 16] = [5, 6, 10, 9, 8, 4, 0, 1, 2, 3, 7, 11, 15, 14, 13, 12];
+pub(crate) const REGULAR: [usize; 16] = [5, 6, 10, 9, 8, 4, 0, 1, 2, 3, 7, 11, 15, 14, 13, 12];
 
 /// The uniform bicubic basis functions: value, derivative in u and in v. `scale` multiplies the
 /// derivatives.
@@ -161,16 +161,16 @@ impl Rules {
         match target {
             Target::Vertex => {
                 let n2 = (n * n) as f64;
-                let mut all = vec![(0, 1.0 - 1.75 / n as f64)];
+                let mut all = vec![(0, 1.0 - 7.0 / (4 * n) as f64)];
                 all.extend((0..n).map(|k| (self.spoke(k), 1.5 / n2)));
                 all.extend((0..n).map(|k| (self.quad(k), 0.25 / n2)));
                 all
             }
             Target::Spoke(k) => {
-                let mut all = vec![(0, 0.375), (self.spoke(k), 0.375)];
+                let mut all = vec![(0, 3.0 / 8.0), (self.spoke(k), 3.0 / 8.0)];
                 let beside = [self.spoke(k + 1), self.spoke(k + n - 1)];
                 let quads = [self.quad(k), self.quad(k + n - 1)];
-                all.extend(beside.into_iter().chain(quads).map(|at| (at, 0.0625)));
+                all.extend(beside.into_iter().chain(quads).map(|at| (at, 0.5 / 8.0)));
                 all
             }
             Target::Quad(k) => {
@@ -196,7 +196,7 @@ impl Rules {
         let along = |i: i32| -> Vec<(i32, f64)> {
             let half = i.div_euclid(2);
             match i.rem_euclid(2) {
-                0 => vec![(half - 1, 0.125), (half, 0.75), (half + 1, 0.125)],
+                0 => vec![(half - 1, 1.0 / 8.0), (half, 6.0 / 8.0), (half + 1, 1.0 / 8.0)],
                 _ => vec![(half, 0.5), (half + 1, 0.5)],
             }
         };

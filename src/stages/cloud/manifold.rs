@@ -1,13 +1,13 @@
 //! From elected triangles to an oriented mesh with one fan at each vertex.
 
-use foldhash::{HashSet, HashSetExt};
+use foldhash::HashSet;
 use rayon::prelude::*;
 
 use super::close;
 use super::project::SurfacePoint;
 use crate::geometry::sets::Sets;
 use crate::geometry::{Point, VertexId};
-use crate::mesh::{EdgeMap, Mesh, VertexRings};
+use crate::mesh::{Mesh, VertexRings, orient};
 
 /// A component with less than this share of all triangles is dust. Points beside the surface make
 /// such components; an island in a hole is larger.
@@ -54,7 +54,7 @@ impl ManifoldMesh {
                 return;
             }
             self.one_sided += against.len();
-            retain(&mut self.mesh, |t| !against.contains(&t));
+            retain(&mut self.mesh, |t| against.binary_search(&t).is_err());
         }
     }
 
@@ -123,41 +123,4 @@ fn lesser_fans(mesh: &Mesh, rings: &VertexRings, v: VertexId) -> Vec<usize> {
         fans.remove(largest);
     }
     fans.into_iter().flatten().map(|a| around[a] as usize).collect()
-}
-
-/// Turns triangles so that neighbours agree with the first one of their component. Returns the
-/// triangles that cannot agree with all of their neighbours.
-fn orient(mesh: &mut Mesh) -> HashSet<usize> {
-    let edges = EdgeMap::new(mesh);
-    let mut turned: Vec<Option<bool>> = vec![None; mesh.triangles.len()];
-    let mut waiting = Vec::new();
-    let mut against = HashSet::new();
-    for first in 0..mesh.triangles.len() {
-        if turned[first].is_none() {
-            turned[first] = Some(false);
-            waiting.push(first);
-        }
-        let mut done = 0;
-        while let Some(&t) = waiting.get(done) {
-            done += 1;
-            for side in 3 * t..3 * t + 3 {
-                let Some(other) = edges.across(side) else { continue };
-                let same_way = mesh.side(side).0 == mesh.side(other).0;
-                let wanted = turned[t].map(|turn| turn ^ same_way);
-                if turned[other / 3].is_none() {
-                    turned[other / 3] = wanted;
-                    waiting.push(other / 3);
-                } else if turned[other / 3] != wanted {
-                    against.insert(t.max(other / 3));
-                }
-            }
-        }
-        waiting.clear();
-    }
-    for (t, turned) in mesh.triangles.iter_mut().zip(turned) {
-        if turned == Some(true) {
-            t.swap(1, 2);
-        }
-    }
-    against
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, Const, DimName, Matrix3, SMatrix, SVector};
 
-use crate::geometry::{Point, ROUNDING, Vector, plane_axes};
+use crate::geometry::{NEGLIGIBLE, Point, ROUNDING, Vector, plane_axes};
 
 /// The weight of a point at the squared distance `squared`, where `radius` is the distance of the
 /// farthest point: exp(−4 d²/r²). It is 2 % at the radius, so that points enter and leave a
@@ -18,10 +18,6 @@ pub(super) struct PrincipalPlane {
     /// Whether the points lie on a line as far as numbers can tell.
     pub is_line: bool,
 }
-
-/// The second variance of points on a line is at most this share of the first one. A strip that is a
-/// thousand times as long as wide has this ratio.
-const LINE_RATIO: f64 = 1e-6;
 
 impl PrincipalPlane {
     /// Fits the plane to points, given by their weights and their places relative to any point.
@@ -42,7 +38,7 @@ impl PrincipalPlane {
         order.sort_unstable_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let [_, second, first] = order.map(|k| eigen.eigenvalues[k]);
         let normal = eigen.eigenvectors.column(order[0]).into_owned();
-        PrincipalPlane { normal, is_line: second <= LINE_RATIO * first }
+        PrincipalPlane { normal, is_line: second <= NEGLIGIBLE * first }
     }
 }
 
@@ -133,7 +129,8 @@ impl QuadricRows {
             freedom += row.weight - row.weight.powi(2) * b.dot(&factor.solve(&b));
             total += row.weight;
         }
-        (freedom > LEAST_FREEDOM * total).then(|| radius * radius * squares / freedom)
+        // Otherwise the residuals are rounding errors.
+        (freedom > NEGLIGIBLE * total).then(|| radius * radius * squares / freedom)
     }
 
     /// The factor of the normal equations of the first N monomials, and the coefficients.
@@ -176,6 +173,3 @@ impl QuadricRows {
         (variance <= 1.0).then(|| [c[0], c[1], c[2]])
     }
 }
-
-/// Below this share of degrees of freedom the residuals are rounding errors.
-const LEAST_FREEDOM: f64 = 1e-3;

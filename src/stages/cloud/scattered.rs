@@ -80,7 +80,7 @@ pub(super) fn triangulate(
     let is_smooth = deviation > MOST_ROUGH * spacing;
     let measured = if is_smooth { Vec::new() } else { measured(points, &kept, &vertices) };
     drop(found);
-    progress(0.7)?;
+    progress(7.0 / 10.0)?;
     let mut mesh = mesh_of(&vertices, &mut report, progress)?;
     sides::face_scanner(&mut mesh, cloud, &ordered.first, &kept.points);
     Ok(finished(cloud, &ordered, (&kept, &measured), &mesh, report))
@@ -92,10 +92,10 @@ impl SurfacePoints {
         let points = &ordered.points;
         let near = Neighbours::new(points);
         let count = noise::neighbour_count(points, &near);
-        progress(0.1)?;
+        progress(1.0 / 10.0)?;
         let lists = NearestLists::new(points, &near, count);
         drop(near);
-        progress(0.35)?;
+        progress(3.0 / 10.0)?;
         let spacing = outliers::spacings(points, &lists);
         let mut outlier = outliers::lonely(&spacing, &lists);
         let surface = project::all(points, &lists);
@@ -158,10 +158,10 @@ fn mesh_of(
     progress: &mut Progress,
 ) -> Result<Mesh> {
     let stars = VoronoiStars::new(vertices);
-    progress(0.85)?;
+    progress(8.0 / 10.0)?;
     let elected = votes::elect(&stars, vertices);
     drop(stars);
-    progress(0.9)?;
+    progress(9.0 / 10.0)?;
     let made = ManifoldMesh::new(vertices, &elected);
     if made.mesh.triangles.is_empty() {
         return Err(Error::Cloud(CloudFault::NoTriangle));

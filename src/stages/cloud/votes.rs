@@ -13,7 +13,7 @@ use smallvec::SmallVec;
 
 use super::project::SurfacePoint;
 use super::voronoi::VoronoiStars;
-use crate::geometry::{Point, plane_axes};
+use crate::geometry::{OrderedFloat, Point, plane_axes};
 use crate::mesh::Buckets;
 
 type NumberedTriangle = [u32; 3];
@@ -24,7 +24,7 @@ pub(super) fn elect(stars: &VoronoiStars, vertices: &[SurfacePoint]) -> Vec<Numb
         (0..stars.len() as u32).into_par_iter().flat_map_iter(|i| proposals(i, stars)).collect();
     let (agreed, mut candidates): (Vec<_>, Vec<_>) = proposed.into_iter().partition(|p| p.1 == 3);
     let radius = |t: &NumberedTriangle| circumradius(t.map(|v| vertices[v as usize].place));
-    candidates.sort_by_cached_key(|(t, votes)| (3 - votes, Ordered64(radius(t)), *t));
+    candidates.sort_by_cached_key(|(t, votes)| (3 - votes, OrderedFloat(radius(t)), *t));
     let mut elected = Elected::new(vertices, agreed.into_iter().map(|p| p.0).collect());
     for (triangle, _) in candidates {
         if elected.has_room(triangle) {
@@ -41,24 +41,6 @@ fn proposals(i: u32, stars: &VoronoiStars) -> impl Iterator<Item = (NumberedTria
         let is_lowest = !(by_j && j < i || by_k && k < i);
         is_lowest.then_some(([i, j, k], 1 + usize::from(by_j) + usize::from(by_k)))
     })
-}
-
-/// A number that sorts by its total order.
-#[derive(PartialEq)]
-struct Ordered64(f64);
-
-impl Eq for Ordered64 {}
-
-impl PartialOrd for Ordered64 {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Ordered64 {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 /// The radius of the circle through the corners of a triangle; infinite without an area.

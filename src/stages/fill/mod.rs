@@ -57,7 +57,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { ear_angle: 5.0 * std::f64::consts::PI / 9.0, support: 0.0, noise: 0.0 }
+        Options { ear_angle: 100f64.to_radians(), support: 0.0, noise: 0.0 }
     }
 }
 

@@ -334,7 +334,7 @@ impl<'a> RimOffset<'a> {
     /// The offset at a point of the surface.
     fn at(&self, p: Point, found: &mut Vec<u32>) -> Vector {
         let reach = FADE * self.sizes.mean;
-        let (mut sum, mut total, mut nearest) = (Vector::zeros(), 1e-300, f64::MAX);
+        let (mut sum, mut total, mut nearest) = (Vector::zeros(), f64::MIN_POSITIVE, f64::MAX);
         for (i, distance) in self.sizes.rim_within(p, 2.5 * reach, found) {
             let weight = (-(distance / reach).powi(2)).exp();
             sum += weight * self.rim[i];

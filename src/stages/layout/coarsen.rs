@@ -1,12 +1,12 @@
 //! Half-edge collapses until no legal one is left.
 
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use nalgebra::Matrix4;
 
 use super::base::{Base, Flat};
-use crate::geometry::{EQUILATERAL, Uv, Vector};
+use crate::geometry::{EQUILATERAL, OrderedFloat, Uv, Vector};
 use crate::mesh::remesh::LEAST_VALENCE;
 
 /// The weight of the squared length of an edge, beside the mean squared distance from the planes of
@@ -40,7 +40,7 @@ pub(super) fn coarsen(base: &mut Base, quadrics: &[ErrorQuadric], spread: f64) {
     for v in 0..base.around.len() as u32 {
         push(base, quadrics, &mut queue, v, 0);
     }
-    while let Some(CollapseCandidate { vertex: v, version, .. }) = queue.pop() {
+    while let Some(Reverse((_, v, version))) = queue.pop() {
         if versions[v as usize] != version || base.valence(v) == 0 {
             continue;
         }
@@ -58,33 +58,8 @@ pub(super) fn coarsen(base: &mut Base, quadrics: &[ErrorQuadric], spread: f64) {
     }
 }
 
-/// A vertex that may be removed.
-struct CollapseCandidate {
-    cost: f64,
-    vertex: u32,
-    version: u32,
-}
-
-impl Ord for CollapseCandidate {
-    // The heap returns the largest element first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.cost.total_cmp(&self.cost).then(other.vertex.cmp(&self.vertex))
-    }
-}
-
-impl PartialOrd for CollapseCandidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for CollapseCandidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for CollapseCandidate {}
+/// The cost of removing a vertex, the vertex, and its version. The heap returns the least first.
+type CollapseCandidate = Reverse<(OrderedFloat, u32, u32)>;
 
 fn push(
     base: &Base,
@@ -97,7 +72,7 @@ fn push(
     let others = around.flat_map(|&t| base.triangles[t as usize]).filter(|&w| w != v);
     let least = others.map(|w| cost(base, quadrics, v, w)).fold(f64::INFINITY, f64::min);
     if least.is_finite() {
-        queue.push(CollapseCandidate { cost: least, vertex: v, version });
+        queue.push(Reverse((OrderedFloat(least), v, version)));
     }
 }
 

@@ -4,6 +4,7 @@
 use super::base::TrianglePlace;
 use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
+use crate::mesh::mls::smoothed_normals;
 use crate::mesh::remesh::isotropic;
 use crate::mesh::{EdgeMap, Mesh, VertexRings};
 use crate::progress::Progress;
@@ -50,7 +51,7 @@ impl Ground {
         let rings = VertexRings::new(&mesh);
         let edges = EdgeMap::new(&mesh);
         let mut ground = Ground { normals: Vec::new(), mesh, edges, rings };
-        ground.smooth_normals();
+        ground.normals = smoothed_normals(&ground.mesh, &ground.rings);
         for _ in 0..ROUNDS {
             let rough = ground.rough();
             if rough.is_empty() {
@@ -88,7 +89,7 @@ impl Ground {
             let places: Vec<Point> = near.iter().map(moved).collect();
             near.iter().zip(places).for_each(|(v, p)| self.mesh.points[v.index()] = p);
         }
-        self.smooth_normals();
+        self.normals = smoothed_normals(&self.mesh, &self.rings);
     }
 
     /// The corners of triangles, and of the triangles around them.
@@ -99,21 +100,6 @@ impl Ground {
         near.sort_unstable();
         near.dedup();
         near
-    }
-
-    /// Sets the normals to the means of those in the two-ring of every vertex.
-    fn smooth_normals(&mut self) {
-        let mut normals = self.mesh.vertex_normals();
-        for _ in 0..2 {
-            let mean = |v: usize| {
-                let around = self.rings.neighbours(&self.mesh, v.into());
-                let around = around.map(|w| normals[w.index()]);
-                let sum: Vector = std::iter::once(normals[v]).chain(around).sum();
-                sum.try_normalize(0.0).unwrap_or(normals[v])
-            };
-            normals = (0..normals.len()).map(mean).collect();
-        }
-        self.normals = normals;
     }
 
     /// The mean length of the sides of a triangle.

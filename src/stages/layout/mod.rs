@@ -106,15 +106,15 @@ pub fn layout(mesh: &Mesh, options: &Options) -> Result<QuadLayout> {
 /// # Errors
 /// Those of [`layout`], and what `progress` returns.
 pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> Result<QuadLayout> {
-    let ground = Ground::new(mesh, &mut |share| progress(0.15 * share))?;
-    let mut coarsening = |share: f64| progress(0.15 + 0.15 * share);
+    let ground = Ground::new(mesh, &mut progress::step(progress, 0, 6))?;
+    let mut coarsening = |share: f64| progress((1.0 + share) / 6.0);
     let base = match options.blocks {
         None => coarsened(&ground, options.spread, &mut coarsening)?,
         Some(blocks) => with_blocks(&ground, blocks, &mut coarsening)?,
     };
     let known = HashMap::new();
     let mut layout = QuadLayout { ground, base, pairs: None, known, best: RelaxedGrid::default() };
-    layout.make_quads(&mut |share| progress(0.3 + 0.7 * share))?;
+    layout.make_quads(&mut |share| progress((2.0 + 4.0 * share) / 6.0))?;
     Ok(layout)
 }
 

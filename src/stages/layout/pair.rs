@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use super::base::Base;
 use super::matching;
-use crate::geometry::NONE;
+use crate::geometry::{NONE, ROUNDING};
 
 /// The weight of the squares of valences minus four, beside the shape of the quads. It leaves almost
 /// only vertices of three to five quads.
@@ -166,7 +166,7 @@ impl Pairs {
         let before = self.cost(&old, &touched);
         old.iter().for_each(|&(a, b)| self.count(a, b, 1));
         new.iter().for_each(|&(a, b)| self.count(a, b, -1));
-        if self.cost(&new, &touched) < before - 1e-9 {
+        if self.cost(&new, &touched) < before - ROUNDING {
             for &(a, b) in &new {
                 self.mate[a as usize] = b;
                 self.mate[b as usize] = a;

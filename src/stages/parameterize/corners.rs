@@ -1,7 +1,7 @@
 //! Selection of the four boundary vertices that are mapped to the corners of the square.
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, VertexId};
+use crate::geometry::{Point, ROUNDING, VertexId};
 use crate::mesh::{Mesh, boundary};
 
 /// The largest number of convex turns of the boundary that are candidates.
@@ -73,7 +73,7 @@ pub(crate) fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>>
 /// logarithm of the ratio of their lengths.
 fn cost(four: [&CornerCandidate; 4]) -> f64 {
     let missing: f64 = four.iter().map(|c| (1.0 - c.turn).clamp(0.0, 1.5)).sum();
-    let side = |k: usize| (four[(k + 1) % 4].at - four[k].at).rem_euclid(1.0).max(1e-9);
+    let side = |k: usize| (four[(k + 1) % 4].at - four[k].at).rem_euclid(1.0).max(ROUNDING);
     let uneven = |k: usize| (side(k) / side(k + 2)).ln().abs();
     missing + 0.5 * (uneven(0) + uneven(1))
 }

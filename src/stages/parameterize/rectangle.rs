@@ -1,7 +1,7 @@
 //! The rectangle to which a patch is mapped, and the boundary on its sides.
 
 use super::relax::Freedom;
-use crate::geometry::{Point, Uv};
+use crate::geometry::{Point, Quarter, Uv};
 
 /// A closed loop of vertices, four of which are the corners of a rectangle. The bottom, right, top
 /// and left sides follow each other counter-clockwise.
@@ -61,12 +61,8 @@ impl Rectangle {
             let mut walked = 0.0;
             for (v, length) in side.zip(&chords[k]) {
                 let t = walked / totals[k];
-                at[v as usize] = match k {
-                    0 => Uv::new(t * width, 0.0),
-                    1 => Uv::new(width, t * height),
-                    2 => Uv::new((1.0 - t) * width, height),
-                    _ => Uv::new(0.0, (1.0 - t) * height),
-                };
+                let [x, y] = Quarter(k).turned(1.0, [t, 0.0]);
+                at[v as usize] = Uv::new(x * width, y * height);
                 walked += length;
             }
         }

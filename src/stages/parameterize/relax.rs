@@ -114,7 +114,7 @@ impl CornerTerm {
         here.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
             + 2.0 * k * gs * gs.transpose()
             - i * (2.0 * c + 6.0 * k * s) * (mixed + mixed.transpose())
-            + s * i * i * (6.0 * c + 12.0 * k * s) * gt * gt.transpose();
+            + s * i * i * (6.0 * c + 2.0 * 6.0 * k * s) * gt * gt.transpose();
     }
 }
 

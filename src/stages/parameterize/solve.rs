@@ -6,7 +6,7 @@ use faer::sparse::{SparseColMat, Triplet};
 
 use super::lu::Lu;
 use crate::error::{self, Result, Unsolved};
-use crate::geometry::{NONE, Point, Uv};
+use crate::geometry::{NEGLIGIBLE, NONE, Point, Uv};
 use crate::mesh::one_rings::OneRings;
 
 /// The mean value weights of the neighbours `ring` around the point `p`: (tan(α/2) + tan(β/2)) / ‖q
@@ -16,20 +16,17 @@ pub(crate) fn shares(p: Point, ring: &[u32], points: &[Point]) -> Vec<(u32, f64)
     let n = ring.len();
     let away: Vec<_> = ring.iter().map(|&w| points[w as usize] - p).collect();
     let longest = away.iter().map(|d| d.norm()).fold(f64::MIN_POSITIVE, f64::max);
-    let length = |i: usize| away[i % n].norm().max(SHORTEST * longest);
+    let length = |i: usize| away[i % n].norm().max(NEGLIGIBLE * longest);
     // tan(α/2) = sin α / (1 + cos α). It is bounded above for needles whose angle is nearly a half
     // turn, and below where the angle vanishes.
     let tangent = |i: usize| {
         let (d, e) = (away[i % n], away[(i + 1) % n]);
         let product = length(i) * length(i + 1);
-        (d.cross(&e).norm() / (product + d.dot(&e)).max(1e-8 * product)).max(1e-8)
+        (d.cross(&e).norm() / (product + d.dot(&e)).max(NEGLIGIBLE * product)).max(NEGLIGIBLE)
     };
     let share = |i: usize| (tangent(i) + tangent(i + n - 1)) / length(i);
     ring.iter().enumerate().map(|(i, &w)| (w, share(i))).collect()
 }
-
-/// The smallest edge length that is used, as a share of the longest edge at the vertex.
-const SHORTEST: f64 = 1e-6;
 
 /// Moves each of the `inner` vertices to the mean of its neighbours with mean value weights. All
 /// others stay in place.
@@ -89,4 +86,22 @@ fn solve(
     let finite = |p: &Uv| p.x.is_finite() && p.y.is_finite();
     let all = inner.iter().all(|&v| finite(&at[v as usize]));
     if all { Ok(()) } else { Err(failed(Unsolved::Singular)) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::one_rings::tests::grid;
+
+    #[test]
+    fn a_flat_sheet_keeps_its_places() {
+        let patch = grid(20);
+        let rings = OneRings::new(&patch.mesh, &patch.outer);
+        let flat: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y)).collect();
+        let inner: Vec<u32> = (0..flat.len() as u32).filter(|&v| !rings.on_boundary(v)).collect();
+        let mut at = flat.clone();
+        inner.iter().for_each(|&v| at[v as usize] = Uv::origin());
+        mean_value(&patch.mesh.points, &rings, &inner, &mut at).unwrap();
+        assert!(at.iter().zip(&flat).all(|(p, q)| (p - q).norm() < 1e-9));
+    }
 }

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{BLOCK, Point, Uv, Vector};
+use crate::geometry::{BLOCK, Point, ROUNDING, Uv, Vector};
 use crate::mesh::Patch;
 
 /// The stretch of the map from the parameter plane to the measured triangles. It is 1 for an
@@ -21,10 +21,6 @@ pub struct Stretch {
 
 /// For one triangle: its area in space, its area in the plane, ∂S/∂u and ∂S/∂v.
 pub(crate) type Derivatives = (f64, f64, Vector, Vector);
-
-/// The smallest area of a triangle in the plane, as a share of the mean. A triangle that rounding
-/// has flattened then still has a finite stretch.
-const FLATTEST: f64 = 1e-14;
 
 /// The derivatives on one triangle, from the positions of its corners. Twice its area in the plane
 /// is taken to be at least `least`.
@@ -126,7 +122,8 @@ fn least([area, flat, along_u, along_v]: [f64; 4]) -> (f64, f64) {
 
 /// Measures the stretch of a map.
 pub(crate) fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
-    let flattest = FLATTEST / uv.len() as f64;
+    // A triangle that rounding has flattened still has a finite stretch.
+    let flattest = ROUNDING / uv.len() as f64;
     let of = |t: usize| {
         let corners = patch.mesh.triangles[t];
         derivatives(patch.mesh.corners(corners), corners.map(|v| uv[v.index()]), flattest)

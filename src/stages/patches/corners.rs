@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::PatchSource;
 use super::tracks::{Spoke, from_corner, limit_at};
-use crate::geometry::{Point, Uv, Vector, plane_axes};
+use crate::geometry::{Point, Quarter, Uv, Vector, plane_axes};
 use crate::spline::subdivision::QuadPlace;
 use crate::spline::{Basis, Surface, foot_point};
 
@@ -43,7 +43,7 @@ const BLENDS: [f64; 5] = [1.0, 0.1, 10.0, 100.0, 1e4];
 const SMOOTH: f64 = 0.9994;
 
 /// The rounds of parameter correction.
-const ROUNDS: usize = 3;
+pub(super) const ROUNDS: usize = 3;
 
 /// A linear least-squares problem in the coordinates of the four control points.
 struct Equations {
@@ -61,34 +61,18 @@ struct Corner {
 impl Corner {
     /// The position in the net of the control point (a, b), counted from the corner.
     fn at(&self, a: usize, b: usize) -> usize {
-        let last = self.count - 1;
-        let (i, j) = match self.k {
-            0 => (a, b),
-            1 => (last - b, a),
-            2 => (last - a, last - b),
-            _ => (b, last - a),
-        };
+        let [i, j] = Quarter(self.k).turned(self.count - 1, [a, b]);
         i * self.count + j
     }
 
     /// The parameter point of the patch at (x, y) from the corner.
     fn uv(&self, at: Uv) -> Uv {
-        match self.k {
-            0 => at,
-            1 => Uv::new(self.end - at.y, at.x),
-            2 => Uv::new(self.end - at.x, self.end - at.y),
-            _ => Uv::new(at.y, self.end - at.x),
-        }
+        Quarter(self.k).turned(self.end, at.into()).into()
     }
 
     /// The inverse of [`Corner::uv`].
     fn local(&self, uv: Uv) -> Uv {
-        match self.k {
-            0 => uv,
-            1 => Uv::new(uv.y, self.end - uv.x),
-            2 => Uv::new(self.end - uv.x, self.end - uv.y),
-            _ => Uv::new(self.end - uv.y, uv.x),
-        }
+        Quarter(self.k).turned_back(self.end, uv.into()).into()
     }
 }
 

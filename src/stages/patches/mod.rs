@@ -17,7 +17,7 @@ mod tracks;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, Quarter, Vector, VertexId};
 use crate::mesh::QuadMesh;
 use crate::spline::subdivision::{SubdivisionSurface, limit_point};
 use crate::spline::{KnotVector, Network, Side, Surface, Track};
@@ -120,12 +120,7 @@ impl PatchSource<'_> {
     /// The quad of a block at step `t` along side `k`, counter-clockwise.
     fn quad_at(&self, block: usize, k: usize, t: usize) -> usize {
         let n = self.mesh.side;
-        let (i, j) = match k {
-            0 => (t, 0),
-            1 => (n - 1, t),
-            2 => (n - 1 - t, n - 1),
-            _ => (0, n - 1 - t),
-        };
+        let [i, j] = Quarter(k).turned(n - 1, [t, 0]);
         n * n * block + n * j + i
     }
 
@@ -159,13 +154,8 @@ impl PatchSource<'_> {
         for (k, side) in sides.into_iter().enumerate() {
             let row = &tracks[side.track].curve.control;
             for t in 0..count {
-                let at = match k {
-                    0 => t * count,
-                    1 => (count - 1) * count + t,
-                    2 => (count - 1 - t) * count + count - 1,
-                    _ => count - 1 - t,
-                };
-                net[at] = if side.forward { row[t] } else { row[count - 1 - t] };
+                let [i, j] = Quarter(k).turned(count - 1, [t, 0]);
+                net[i * count + j] = if side.forward { row[t] } else { row[count - 1 - t] };
             }
         }
         let mut surface = Surface::new(self.knots.clone(), self.knots.clone(), net);

@@ -3,6 +3,7 @@
 use super::PatchSource;
 use crate::geometry::Vector;
 use crate::spline::KnotVector;
+use crate::spline::subdivision::REGULAR;
 
 /// The polynomial pieces of a block: for each quad whose four vertices are regular, the 4 × 4 control
 /// points of its uniform bicubic.
@@ -12,15 +13,11 @@ pub(super) struct Pieces {
     grids: Vec<Option<[Vector; 16]>>,
 }
 
-/// For each control point of a regular quad in the order of `SubdivisionSurface::control`, its place
-/// in the grid.
-const ORDER: [usize; 16] = [5, 6, 10, 9, 8, 4, 0, 1, 2, 3, 7, 11, 15, 14, 13, 12];
-
 /// The uniform bicubic of a quad, or `None` if one of its vertices is irregular.
 pub(super) fn grid(source: &PatchSource, quad: usize) -> Option<[Vector; 16]> {
     source.surface.is_regular(quad).then(|| {
         let mut grid = [Vector::zeros(); 16];
-        for (&place, &v) in ORDER.iter().zip(source.surface.control(quad)) {
+        for (&place, &v) in REGULAR.iter().zip(source.surface.control(quad)) {
             grid[place] = source.control[v as usize];
         }
         grid

@@ -7,8 +7,9 @@
 use nalgebra::Matrix3;
 
 use super::PatchSource;
+use super::corners::ROUNDS;
 use super::pieces::{arguments, blossom, grid, spans};
-use crate::geometry::{Point, Uv, Vector};
+use crate::geometry::{Point, Quarter, Uv, Vector};
 use crate::spline::subdivision::{QuadPlace, limit_point, limit_tangent};
 use crate::spline::{Curve, KnotVector};
 
@@ -24,9 +25,6 @@ const COMPARED: usize = 16;
 /// limit curve (0.22° at 1 and 0.17° at 10 for the 95th percentile of a body with 38 irregular
 /// vertices).
 const SLOPE: f64 = 10.0;
-
-/// The rounds of parameter correction.
-const ROUNDS: usize = 3;
 
 /// The least and the largest speed of the curve at the regular end of its first span, as shares of
 /// the length of the span. Beyond them the curve would turn back or leave with no speed.
@@ -93,12 +91,7 @@ impl Spoke {
 
 /// The place on the unit square of a quad at (u, v) from its corner `k`, with u along side `k`.
 pub(super) fn from_corner(k: usize, at: Uv) -> Uv {
-    match k {
-        0 => at,
-        1 => Uv::new(1.0 - at.y, at.x),
-        2 => Uv::new(1.0 - at.x, 1.0 - at.y),
-        _ => Uv::new(at.y, 1.0 - at.x),
-    }
+    Quarter(k).turned(1.0, at.into()).into()
 }
 
 impl PatchSource<'_> {
@@ -122,14 +115,11 @@ impl PatchSource<'_> {
     fn regular_control(&self, block: usize, k: usize, i: usize) -> Option<Vector> {
         let piece = |t: usize| Some((grid(self, self.quad_at(block, k, t))?, t));
         let (grid, t) = spans(&self.knots, i).into_iter().find_map(piece)?;
-        let at = |i: usize, j: usize| grid[4 * j + i];
-        let mean = |a: Vector, b: Vector, c: Vector| (a + 4.0 * b + c) / 6.0;
-        let row = [0, 1, 2, 3].map(|m| match k {
-            0 => mean(at(m, 0), at(m, 1), at(m, 2)),
-            1 => mean(at(1, m), at(2, m), at(3, m)),
-            2 => mean(at(3 - m, 1), at(3 - m, 2), at(3 - m, 3)),
-            _ => mean(at(0, 3 - m), at(1, 3 - m), at(2, 3 - m)),
-        });
+        let at = |m: usize, depth: usize| {
+            let [i, j] = Quarter(k).turned(3, [m, depth]);
+            grid[4 * j + i]
+        };
+        let row = [0, 1, 2, 3].map(|m| (at(m, 0) + 4.0 * at(m, 1) + at(m, 2)) / 6.0);
         Some(blossom(row, arguments(&self.knots, i, t)))
     }
 

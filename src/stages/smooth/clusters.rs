@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::geometry::{BLOCK, NONE, Vector, VertexId};
+use crate::geometry::{BLOCK, NONE, ROUNDING, Vector, VertexId};
 use crate::mesh::mls::{REACH, Sample, smoothed_normals};
 use crate::mesh::{Mesh, VertexRings};
 
@@ -105,7 +105,7 @@ impl ClusterLevel {
                 / clusters.near(c).len().max(1) as f64;
             let is_remainder = clusters.samples[c].weight < REMAINDER_SHARE * mean;
             let sum = if is_remainder { beside().map(|b| sums[b]).sum() } else { sums[c] };
-            sum.try_normalize(1e-12).unwrap_or(self.normals[of[c][0] as usize])
+            sum.try_normalize(ROUNDING).unwrap_or(self.normals[of[c][0] as usize])
         };
         clusters.normals = (0..of.len()).into_par_iter().map(normal).collect();
         (clusters, cluster)

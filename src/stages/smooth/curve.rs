@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::BESIDE;
 use super::crossvalidation::{SupportScore, chosen};
 use super::line::{quadratic, reference_line};
-use crate::geometry::{Point, Vector, plane_axes};
+use crate::geometry::{NEGLIGIBLE, Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
 use crate::statistics::{SIGNIFICANT, outlying};
 
@@ -172,7 +172,7 @@ impl LoopPart {
         let r = self.points[i];
         let line = reference_line(r, &around, h)?;
         let (point, leverage) = quadratic(&line, &around, h)?;
-        let across = self.normals[i].cross(&line.along).try_normalize(1e-6)?;
+        let across = self.normals[i].cross(&line.along).try_normalize(NEGLIGIBLE)?;
         Some(Move { across, by: (point - r).dot(&across), leverage })
     }
 

@@ -2,7 +2,8 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
-use crate::geometry::{Point, Vector, plane_axes};
+use crate::geometry::{MOST_ROUNDS, NEGLIGIBLE, Point, ROUNDING, Vector, plane_axes};
+use crate::solve::shares;
 
 /// A line through the points around a place.
 pub(crate) struct ReferenceLine {
@@ -59,29 +60,22 @@ pub(crate) fn reference_line(r: Point, around: &[Point], h: f64) -> Option<Refer
     let mut u = principal_direction(r, around, h);
     let mut q = r;
     let mut at = energy(r, q, u, around, h);
-    for _ in 0..20 {
-        let damped = at.matrix + Matrix2::identity() * (1e-12 * at.matrix.trace());
+    for _ in 0..MOST_ROUNDS {
+        let damped = at.matrix + Matrix2::identity() * (ROUNDING * at.matrix.trace());
         let factor = damped.cholesky()?;
         let steps = at.gradient.map(|g| -factor.solve(&g));
         let (e1, e2) = plane_axes(u);
-        let mut share = 1.0;
-        let accepted = loop {
+        let accepted = shares().find_map(|share| {
             let tilt = share * (steps[0].y * e1 + steps[1].y * e2);
             let u2 = (u + tilt).normalize();
             let moved = q - r + share * (steps[0].x * e1 + steps[1].x * e2);
             let limited = moved.cap_magnitude(h);
             let q2 = r + (limited - limited.dot(&u2) * u2);
             let next = energy(r, q2, u2, around, h);
-            if next.value <= at.value {
-                break Some((q2, u2, next));
-            }
-            share *= 0.5;
-            if share < 1e-3 {
-                break None;
-            }
-        };
+            (next.value <= at.value).then_some((q2, u2, next))
+        });
         let Some((q2, u2, next)) = accepted else { break };
-        let still = (q2 - q).norm() < 1e-5 * h && (u2 - u).norm() < 1e-5;
+        let still = (q2 - q).norm() < NEGLIGIBLE * h && (u2 - u).norm() < NEGLIGIBLE;
         (q, u, at) = (q2, u2, next);
         if still {
             break;
@@ -119,7 +113,7 @@ pub(crate) fn quadratic(line: &ReferenceLine, around: &[Point], h: f64) -> Optio
         right[0] += weight * d.dot(&e1) * basis;
         right[1] += weight * d.dot(&e2) * basis;
     }
-    gram += Matrix3::identity() * (1e-10 * gram.trace());
+    gram += Matrix3::identity() * (ROUNDING * gram.trace());
     let factor = gram.cholesky()?;
     let across = right.map(|b| factor.solve(&b).x * h);
     let leverage = factor.solve(&Vector3::x()).x;

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::clusters::{Neighbourhood, ScratchPool};
 use super::levels::SupportLevel;
 use crate::error::Result;
-use crate::geometry::{FEW, NONE, VertexId};
+use crate::geometry::{FEW, NONE, ROUNDING, VertexId};
 use crate::mesh::Mesh;
 use crate::noise::NoiseField;
 use crate::progress::Progress;
@@ -139,7 +139,7 @@ fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
     let Some(after) = risks.get(least + 1) else { return 0.0 };
     let [a, b, c] = [before, &risks[least], after].map(|r| r.max(f64::MIN_POSITIVE).ln());
     let curvature = a - 2.0 * b + c;
-    if curvature > 1e-9 && curvature.is_finite() {
+    if curvature > ROUNDING && curvature.is_finite() {
         (0.5 * (a - c) / curvature).clamp(-0.5, 0.5)
     } else {
         0.0
@@ -150,7 +150,7 @@ fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
 fn blended(sampling: &SupportLevel, values: &[f64], v: VertexId, mesh: &Mesh) -> f64 {
     let own = sampling.cluster[v.index()] as usize;
     let p = mesh.point(v);
-    let (mut weight, mut sum) = (1e-12, 1e-12 * values[own]);
+    let (mut weight, mut sum) = (ROUNDING, ROUNDING * values[own]);
     let beside = sampling.clusters.near(own).iter().map(|&c| c as usize);
     for c in std::iter::once(own).chain(beside) {
         let w = sampling.weight(c, p);

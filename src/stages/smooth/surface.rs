@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::clusters::{ClusterLevel, ScratchPool};
 use super::levels::SupportLevel;
 use crate::error::Result;
-use crate::geometry::{BLOCK, NONE, Point, Vector, VertexId};
+use crate::geometry::{BLOCK, NEGLIGIBLE, NONE, Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::mesh::mls::{Polynomial, Projection};
 use crate::progress::Progress;
@@ -146,7 +146,7 @@ impl MlsSurface {
         let beside = level.clusters.near(own).iter().map(|&c| c as usize);
         for c in std::iter::once(own).chain(beside) {
             let w = level.weight(c, p);
-            if let Some(fit) = self.fits[k].get(c).filter(|_| w > 1e-6) {
+            if let Some(fit) = self.fits[k].get(c).filter(|_| w > NEGLIGIBLE) {
                 let (foot, n) = fit.at(p);
                 weight += w;
                 point += w * (foot - p);

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use super::closed::{ClosedKnots, ClosedPolygon, arcs, fit};
 use super::{Options, Rim, corners, needles};
-use crate::geometry::{MOST_ROUNDS, Point, Uv, segment_distance};
+use crate::geometry::{MOST_ROUNDS, NEGLIGIBLE, Point, Uv, segment_distance};
 use crate::spline::{Curve, Jet, Surface, foot_point};
 
 /// The number of spans that a loop starts with.
@@ -307,7 +307,7 @@ fn lengths(points: &[Point]) -> Option<(Vec<f64>, f64)> {
     let n = points.len();
     let side = |i: usize| (points[(i + 1) % n] - points[i]).norm();
     let around: f64 = (0..n).map(side).sum();
-    let least = 1e-6 * around / n as f64;
+    let least = NEGLIGIBLE * around / n as f64;
     let mut walked = Vec::with_capacity(n);
     let mut total = 0.0;
     for i in 0..n {

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{MOST_ROUNDS, Point, Uv, bounds};
+use crate::geometry::{MOST_ROUNDS, NEGLIGIBLE, Point, Uv, bounds};
 use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::decimal;
@@ -182,10 +182,6 @@ pub struct LoopReport {
 /// whether the two agree, and Boolean operations fail where they do not.
 pub const EDGE_ACCURACY: f64 = 1e-7;
 
-/// The same distance as a share of the size of the surface. It applies to surfaces smaller than
-/// 0.1 mm.
-const EDGE_SHARE: f64 = 1e-6;
-
 /// A bound on the number of rounding errors by which a surface and an edge on it differ at the
 /// same parameter.
 const ROUNDINGS: f64 = 128.0;
@@ -197,7 +193,7 @@ const ROUNDINGS: f64 = 128.0;
 /// that double precision does not suffice, it is a multiple of the rounding error.
 pub fn edge_accuracy(surface: &Surface) -> f64 {
     let [low, high] = bounds(surface.net.iter().map(|&p| Point::from(p)));
-    let wanted = EDGE_ACCURACY.min(EDGE_SHARE * (high - low).norm());
+    let wanted = EDGE_ACCURACY.min(NEGLIGIBLE * (high - low).norm());
     let farthest = low.coords.amax().max(high.coords.amax());
     let rounded = f64::EPSILON * farthest.max(surface.speed());
     wanted.max(ROUNDINGS * rounded).max(f64::MIN_POSITIVE)

@@ -60,8 +60,8 @@ fn of_keys(header: &Header) -> CrsUnit {
     };
     let metres = |code| match code {
         9001 => Some(1.0),
-        9002 => Some(LengthUnit::Foot.in_mm() / 1000.0),
-        9003 => Some(LengthUnit::UsSurveyFoot.in_mm() / 1000.0),
+        9002 => Some(LengthUnit::Foot.in_mm() / LengthUnit::Metre.in_mm()),
+        9003 => Some(LengthUnit::UsSurveyFoot.in_mm() / LengthUnit::Metre.in_mm()),
         _ => None,
     };
     let plane = key(&keys, unit).and_then(metres);
@@ -109,7 +109,9 @@ fn of_lengths(plane: Option<f64>, heights: Option<f64>) -> CrsUnit {
         }
         (Some(plane), _) => {
             let known = [LengthUnit::Metre, LengthUnit::Foot, LengthUnit::UsSurveyFoot];
-            let unit = known.into_iter().find(|unit| same(plane, unit.in_mm() / 1000.0, SAME));
+            let unit = known
+                .into_iter()
+                .find(|unit| same(plane, unit.in_mm() / LengthUnit::Metre.in_mm(), SAME));
             unit.map_or(CrsUnit::Other(plane), CrsUnit::Length)
         }
     }

@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::{Advance, Front};
+use crate::geometry::OrderedFloat;
 
 impl Front<'_> {
     /// The nodes before, at and after `node`.
@@ -51,11 +52,10 @@ impl Front<'_> {
     /// Closes all ears below `angle`, the narrowest first, and returns their number.
     pub(super) fn close_ears(&mut self, angle: f64) -> usize {
         let before = self.fill.triangles.len();
-        // The bits of numbers from 0 on have the order of the numbers.
         let ear = |front: &Self, node: usize| {
             let beside = [front.loops.before(node), front.loops.after(node)];
             let own = front.angle(node);
-            (own < angle).then(|| Reverse(((own + 0.0).to_bits(), node, beside)))
+            (own < angle).then_some(Reverse((OrderedFloat(own), node, beside)))
         };
         let mut order: BinaryHeap<_> =
             self.loops.all().filter_map(|node| ear(self, node)).collect();

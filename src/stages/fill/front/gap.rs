@@ -1,7 +1,7 @@
 //! Closing a whole loop at once by the triangulation of least area.
 
 use super::Front;
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, ROUNDING, Vector, VertexId};
 use crate::stages::fill::least_area;
 
 impl Front<'_> {
@@ -22,7 +22,7 @@ impl Front<'_> {
         // The loop passes a bridge to an island in both directions.
         surface.divide_doubled(&ring);
         let mean = ring.iter().map(|&v| self.normal(v)).sum::<Vector>();
-        let normal = mean.try_normalize(1e-12).unwrap_or(Vector::z());
+        let normal = mean.try_normalize(ROUNDING).unwrap_or(Vector::z());
         let inner = surface.points[rim.len()..].iter();
         let new: Vec<_> = inner.map(|&p| self.add_point(p, normal)).collect();
         let vertices = [ring, new].concat();

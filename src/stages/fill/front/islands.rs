@@ -8,7 +8,7 @@ use rstar::primitives::GeomWithData;
 use rstar::{PointDistance, RTree};
 
 use super::Front;
-use crate::geometry::VertexId;
+use crate::geometry::{NEGLIGIBLE, OrderedFloat, VertexId};
 
 /// A vertex of a rim: its position, and the number of its node in the front.
 type RimNode = GeomWithData<[f64; 3], usize>;
@@ -31,9 +31,8 @@ impl Front<'_> {
         let mut nearest = BinaryHeap::new();
         let ask = |left: &RTree<RimNode>, from: usize| {
             let to = left.nearest_neighbor(*places[from].geom())?;
-            // The bits of positive floating-point numbers have the order of the numbers.
-            let squared = to.distance_2(places[from].geom()).to_bits();
-            Some(Reverse((squared, from, to.data)))
+            let squared = to.distance_2(places[from].geom());
+            Some(Reverse((OrderedFloat(squared), from, to.data)))
         };
         let mut ring = 0;
         loop {
@@ -65,7 +64,7 @@ impl Front<'_> {
         let mut path = Vec::new();
         for k in 1..steps {
             let share = k as f64 / steps as f64;
-            let normal = n.lerp(&m, share).try_normalize(1e-6).unwrap_or(n);
+            let normal = n.lerp(&m, share).try_normalize(NEGLIGIBLE).unwrap_or(n);
             let at = p + share * (q - p);
             path.push((self.add_point(at, normal), at));
         }

@@ -5,7 +5,7 @@ use foldhash::{HashSet, HashSetExt};
 use rayon::prelude::*;
 
 use super::{Advance, Front};
-use crate::geometry::{FEW, Point, Vector, segment_distance};
+use crate::geometry::{FEW, NEGLIGIBLE, Point, ROUNDING, Vector, segment_distance};
 use crate::mesh::mls::{self, Cloud, Polynomial, Sample};
 
 /// The least distance of a new point from every other point, in target edge lengths. Half of it
@@ -119,7 +119,7 @@ impl Front<'_> {
         let after = self.loops.after(node);
         let [n, m] = [node, after].map(|node| self.normal(self.loops.vertex(node)));
         let middle = nalgebra::center(&self.loops.at(node), &self.loops.at(after));
-        Some((middle, (n + m).try_normalize(1e-6)?))
+        Some((middle, (n + m).try_normalize(NEGLIGIBLE)?))
     }
 
     /// The MLS approximation at an edge. `None` for a guided front, or if there is no plane.
@@ -155,7 +155,7 @@ impl Front<'_> {
         let (p, q) = self.loops.edge(node);
         let a = self.sizes.at(middle);
         let normal = local.map_or(guess, |l| l.plane.normal);
-        let into = (q - p).cross(&normal).try_normalize(1e-12)?;
+        let into = (q - p).cross(&normal).try_normalize(ROUNDING)?;
         let side = (q - p).norm().min(3f64.sqrt() * a);
         let distance = 0.5 * (4.0 * a * a - side * side).sqrt();
         let flat = middle + distance * into;

@@ -7,7 +7,7 @@ use faer::Mat;
 use super::Energies;
 use super::grid::{Grid, ON_CELL, cell_energy, values};
 use super::overlaps::{Overlaps, order, runs};
-use crate::geometry::Uv;
+use crate::geometry::{ROUNDING, Uv};
 use crate::solve::cholesky::Pattern;
 
 /// λ₂ and λ₄ as exponents of √10, for forms that are scaled to the same trace.
@@ -65,10 +65,6 @@ struct PointInCell<const D: usize> {
 
 /// A quadratic form in the functions of a cell.
 type CellForm = [[f64; ON_CELL]; ON_CELL];
-
-/// What is added to the diagonal of the energies so that they have a determinant, as a share of their
-/// weights: far above rounding, and far below the energies, whose trace is the number of functions.
-const EPSILON: f64 = 1e-11;
 
 /// The least exponent of the search: a stiffness of 1e-9 interpolates.
 const LOWEST: i32 = -18;
@@ -209,14 +205,14 @@ impl<const D: usize> PenalizedSystem<D> {
 
     /// The logarithm of the determinant, the solution, and the penalized sum of squares.
     fn solve(&mut self, place: Exponents) -> Option<(f64, Mat<f64>, f64)> {
-        let values = self.form(1.0, place.weights(), 1e-13);
+        let values = self.form(1.0, place.weights(), ROUNDING);
         let mut x = self.right.clone();
         let log = self.pattern.solve(&values, Some(&mut x))?;
         let explained: f64 = (0..D)
             .flat_map(|d| (0..x.nrows()).map(move |i| (i, d)))
             .map(|at| x[at] * self.right[at])
             .sum();
-        Some((log, x, (self.squares - explained).max(1e-15 * self.squares)))
+        Some((log, x, (self.squares - explained).max(f64::EPSILON * self.squares)))
     }
 
     /// `points` times the form of the points, plus λ₂ J₂ + λ₄ J₄, plus `diagonal` times the
@@ -238,8 +234,8 @@ impl<const D: usize> PenalizedSystem<D> {
             Some(log) => *log,
             None => {
                 let weights = Exponents(0, ratio).weights();
-                let values = self.form(0.0, weights, EPSILON);
-                let free = self.free * (EPSILON * (weights[0] + weights[1])).ln();
+                let values = self.form(0.0, weights, ROUNDING);
+                let free = self.free * (ROUNDING * (weights[0] + weights[1])).ln();
                 let log = self.pattern.solve(&values, None)? - free;
                 self.priors.insert(ratio, log);
                 log

@@ -1,6 +1,6 @@
 //! Ears of an outer boundary, cut off from the inner ends of its bays outwards.
 
-use std::cmp::Ordering;
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
@@ -8,7 +8,7 @@ use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use super::STRAIGHT;
 use super::mapped_loop::MappedLoop;
-use crate::geometry::{Point, Uv, Vector, VertexId, unit_normal};
+use crate::geometry::{OrderedFloat, Point, Uv, Vector, VertexId, unit_normal};
 use crate::mesh::Adjacency;
 use crate::mesh::remesh::FOLDED;
 
@@ -52,25 +52,15 @@ struct EarCandidate {
     leans: bool,
 }
 
-impl Ord for EarCandidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.cost.total_cmp(&self.cost).then(other.ear.cmp(&self.ear))
+impl EarCandidate {
+    /// The place in a heap that returns the cheapest ear first.
+    fn order(&self) -> EarOrder {
+        Reverse((OrderedFloat(self.cost), self.ear))
     }
 }
 
-impl PartialOrd for EarCandidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for EarCandidate {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for EarCandidate {}
+/// The cost of an ear, and the ear.
+type EarOrder = Reverse<(OrderedFloat, [usize; 3])>;
 
 impl<'a> Ears<'a> {
     pub fn new(mesh: Adjacency<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
@@ -121,19 +111,21 @@ impl<'a> Ears<'a> {
     /// Cuts off ears until the loop turns outwards nowhere more than on average. With a map, it
     /// does so until the loop turns to the right nowhere.
     pub(crate) fn close(&mut self) {
-        let mut heap: BinaryHeap<EarCandidate> =
-            (0..self.ring.len()).filter_map(|i| self.candidate(i)).collect();
+        let order = |ears: &Self, i: usize| ears.candidate(i).map(|candidate| candidate.order());
+        let mut heap: BinaryHeap<EarOrder> =
+            (0..self.ring.len()).filter_map(|i| order(self, i)).collect();
         let (mut blocked, mut closed) = (Vec::new(), 0);
         // A place that turns outwards no more than the average may do so later, because the average
         // changes.
-        while let Some(EarCandidate { ear, normal, leans, .. }) = heap.pop() {
+        while let Some(Reverse((_, ear))) = heap.pop() {
             let [p, v, n] = ear;
-            let is_there = self.alive[v] && self.before[v] == p && self.after[v] == n;
-            if is_there && self.bends(v) && self.is_new(p, n) {
+            let is_there = self.alive[v] && self.ear(v) == ear;
+            let candidate = self.candidate(v).filter(|_| is_there && self.is_new(p, n));
+            if let Some(EarCandidate { normal, leans, .. }) = candidate {
                 if self.is_free(ear) {
                     self.cut(ear, normal);
                     self.leaning.extend(leans.then_some(v));
-                    heap.extend([p, n].into_iter().filter_map(|i| self.candidate(i)));
+                    heap.extend([p, n].into_iter().filter_map(|i| order(self, i)));
                 } else {
                     blocked.push(v);
                 }
@@ -142,7 +134,7 @@ impl<'a> Ears<'a> {
             if heap.is_empty() && closed < self.closed.len() {
                 closed = self.closed.len();
                 let unblocked = std::mem::take(&mut blocked).into_iter();
-                heap.extend(unblocked.filter(|&v| self.alive[v]).filter_map(|v| self.candidate(v)));
+                heap.extend(unblocked.filter(|&v| self.alive[v]).filter_map(|v| order(self, v)));
             }
         }
     }

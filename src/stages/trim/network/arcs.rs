@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Vector2};
 
 use super::MOST_HALVINGS;
-use crate::geometry::{Point, Uv};
+use crate::geometry::{NEGLIGIBLE, Point, Uv};
 use crate::spline::{Curve, KnotVector, Surface};
 
 /// The number of samples of the polygon between two of its corners.
@@ -52,7 +52,7 @@ impl OpenPolygon {
         let whole = at[at.len() - 1];
         let end = surface.u.range().1;
         // Corners at one place get different parameters.
-        let least = 1e-6 * whole / at.len() as f64;
+        let least = NEGLIGIBLE * whole / at.len() as f64;
         for i in 1..at.len() {
             at[i] = at[i].max(at[i - 1] + least);
         }
