@@ -38,14 +38,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let errors: Vec<f64> = errors.iter().map(|e| e * build.mm).collect();
     let options = seams::Options { name: "part".into() };
     let (brep, report) = solid(&mesh, &errors, patches.collect(), &options)?;
-    let count = |kind: PrimitiveKind| report.kinds.iter().filter(|&&k| k == kind).count();
+    let kinds = report.kinds();
+    let count = |kind: PrimitiveKind| kinds.iter().filter(|&&k| k == kind).count();
     let fallbacks = report.fallbacks.iter().map(|f| {
         let place: [f64; 3] = f.place.into();
         json!({"kind": f.kind.name(), "triangles": f.triangles, "place": place, "why": f.why})
     });
     let line = json!({
         "file": from,
-        "faces": report.kinds.len(),
+        "faces": kinds.len(),
         "facets": report.facets,
         "plane": count(PrimitiveKind::Plane),
         "cylinder": count(PrimitiveKind::Cylinder),

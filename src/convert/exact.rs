@@ -186,7 +186,7 @@ fn body(
     let named = seams::Options { name: options.name.clone() };
     let (mut brep, report) = match seams::solid(&mesh, &errors, patches.collect(), &named) {
         Ok(made) => made,
-        Err(why) => return Ok(Err(why)),
+        Err(why) => return Ok(Err(why.to_string())),
     };
     watch(Stage::Brep)?;
     let shape = match options.shape {

@@ -7,7 +7,7 @@ use super::build::count;
 use super::components::{Component, trim_bow_ties};
 use super::{Disk, Mesh, Repairs};
 use crate::error::{Error, Result};
-use crate::geometry::VertexId;
+use crate::geometry::{Point, VertexId};
 
 impl Component {
     /// Makes a body of the component in the unit of the mesh: a mesh of any genus whose boundary
@@ -50,24 +50,40 @@ impl Component {
 impl Component {
     /// Whether the triangles of a closed component face inwards.
     pub(crate) fn is_inside_out(&self) -> bool {
-        volume(self.own_mesh()) < 0.0
+        self.own_mesh().signed_volume() < 0.0
     }
 
     /// Whether a closed component encloses another one: it goes around a vertex of it. The components must
     /// not cross each other.
     pub(crate) fn encloses(&self, other: &Component) -> bool {
-        let (mesh, Some(p)) = (self.own_mesh(), other.own_mesh().points.first()) else {
-            return false;
-        };
+        other.own_mesh().points.first().is_some_and(|p| self.own_mesh().goes_around(*p))
+    }
+}
+
+impl Mesh {
+    /// Whether a closed mesh goes around a point that is not on it.
+    pub(crate) fn goes_around(&self, p: Point) -> bool {
         // The solid angles of all triangles sum to 4π inside, and to 0 outside (Van Oosterom, Strackee,
         // "The solid angle of a plane triangle", 1983).
         let angle = |t: &[VertexId; 3]| {
-            let [a, b, c] = mesh.corners(*t).map(|corner| corner - p);
+            let [a, b, c] = self.corners(*t).map(|corner| corner - p);
             let [la, lb, lc] = [a, b, c].map(|v| v.norm());
             let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
             2.0 * a.dot(&b.cross(&c)).atan2(below)
         };
-        mesh.triangles.iter().map(angle).sum::<f64>().abs() > 2.0 * std::f64::consts::PI
+        self.triangles.iter().map(angle).sum::<f64>().abs() > 2.0 * std::f64::consts::PI
+    }
+
+    /// The volume that the triangles enclose, negative if they face inwards. Cones from the middle of the mesh
+    /// close its gaps.
+    pub(crate) fn signed_volume(&self) -> f64 {
+        let [low, high] = self.bounds();
+        let middle = nalgebra::center(&low, &high);
+        let cone = |t: &[VertexId; 3]| {
+            let [a, b, c] = self.corners(*t).map(|p| p - middle);
+            a.dot(&b.cross(&c)) / 6.0
+        };
+        self.triangles.iter().map(cone).sum()
     }
 }
 
@@ -75,22 +91,11 @@ impl Disk {
     /// Turns the triangles of a body if they do not face outwards, or inwards for a void, and adds this to
     /// `repairs`.
     pub(crate) fn turn(&mut self, outwards: bool, repairs: &mut Repairs) {
-        if (volume(&self.mesh) < 0.0) == outwards {
+        if (self.mesh.signed_volume() < 0.0) == outwards {
             self.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             self.holes.iter_mut().for_each(|ring| ring.reverse());
             let kind = if outwards { "faces_turned_outwards" } else { "faces_turned_inwards" };
             count(repairs, kind, self.mesh.triangles.len());
         }
     }
-}
-
-/// The volume that triangles enclose. Cones from the middle of the mesh close its gaps.
-fn volume(mesh: &Mesh) -> f64 {
-    let [low, high] = mesh.bounds();
-    let middle = nalgebra::center(&low, &high);
-    let cone = |t: &[VertexId; 3]| {
-        let [a, b, c] = mesh.corners(*t).map(|p| p - middle);
-        a.dot(&b.cross(&c)) / 6.0
-    };
-    mesh.triangles.iter().map(cone).sum()
 }

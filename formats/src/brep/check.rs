@@ -45,6 +45,12 @@ impl Brep {
         self.solids.iter().enumerate().try_for_each(|(n, solid)| self.check_solid(n, solid))
     }
 
+    /// The faults of the loops of faces, one for each face that has some. All numbers must refer to existing elements.
+    pub fn face_faults(&self) -> Vec<(FaceId, ModelFault)> {
+        let fault = |(n, face)| self.check_face(n, face).err().map(|fault| (FaceId(n), fault));
+        self.faces.iter().enumerate().filter_map(fault).collect()
+    }
+
     /// Checks that all numbers refer to existing elements.
     fn check_numbers(&self) -> Checked {
         let there = |by: BrepElement, named: BrepElement, is: bool| match is {

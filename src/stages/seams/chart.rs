@@ -71,6 +71,13 @@ impl Chart {
         }
     }
 
+    /// The distance in mm of a point of the surface from the line on which one parameter is `seam`.
+    pub fn off_seam(&self, p: Point, k: usize, seam: f64) -> f64 {
+        let mut uv = self.parameters(p).0;
+        uv[k] = seam;
+        (self.point(uv) - p).norm()
+    }
+
     pub fn point(&self, [u, v]: [f64; 2]) -> Point {
         let [x, y, z] = self.surface.point(u, v);
         Point::new(x, y, z)

@@ -63,6 +63,9 @@ impl Pair<'_> {
             chain.points = vec![*first, *last];
             return if chain.ends.is_none() { Err("a ring between planes".into()) } else { Ok(()) };
         }
+        if chain.points.len() < 2 {
+            return Err("a border without a length".into());
+        }
         let n = chain.points.len() - 1;
         let parts = FEWEST_POINTS.div_ceil(n);
         let mut points = Vec::with_capacity(n * parts + 1);

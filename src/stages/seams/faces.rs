@@ -4,18 +4,16 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use formats::brep::{Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId};
 
-use super::chart::{Chart, around, array};
+use super::chart::{Chart, array};
+use super::fallback::SeamFault;
 use super::network::{ChainNetwork, ChainUse};
 use super::pcurves::pcurve;
-use super::winding::{FacePlan, ON_SEAM, Wrap};
-use super::{SeamFault, Work};
+use super::winding::{FacePlan, Wrap};
+use super::{EXACT, Work};
 use crate::geometry::Point;
 
 /// The samples of an edge that follow its parameters around the surface.
 const SAMPLES: usize = 25;
-
-/// A vertex that was put on the seam is there within so many times [`ON_SEAM`].
-const NEAR_SEAM: f64 = 100.0;
 
 /// One loop in the natural orientation of the surface, with the parameters of its uses in that direction.
 struct EdgeRun {
@@ -112,6 +110,9 @@ impl FaceBuilder<'_> {
         for (&(chain, forward), uv) in run.uses.iter().zip(&run.uv) {
             let near = if forward { uv[0] } else { uv[uv.len() - 1] };
             let (pcurve, gap) = pcurve(chart, &self.brep.edges[chain].curve, near)?;
+            if gap.is_nan() || gap > EXACT {
+                return Err(format!("an edge is {gap:.1e} mm off its face"));
+            }
             self.gap = self.gap.max(gap);
             made.push(EdgeUse { edge: EdgeId(chain), forward, pcurve });
         }
@@ -169,8 +170,7 @@ impl FaceBuilder<'_> {
     ) -> Result<EdgeRun, String> {
         for first in 0..ring.len() {
             let p = self.place(self.start_of(ring[first]));
-            let uv = chart.parameters(p).0;
-            if around(uv[k] - seam).abs() < NEAR_SEAM * ON_SEAM {
+            if chart.off_seam(p, k, seam) < EXACT {
                 let turned: Vec<ChainUse> =
                     ring[first..].iter().chain(&ring[..first]).copied().collect();
                 return Ok(self.run(chart, &turned));

@@ -1,27 +1,35 @@
 //! The solid whose faces lie on known surfaces, from the triangles of each surface.
 //!
 //! The input is a closed mesh, the bounds of the errors of its vertices, and a [`FacePatch`] for each surface. The
-//! output is a checked [`Brep`] with one shell. The mesh edges between two patches are chained, the chains are
+//! output is a checked [`Brep`] with a solid for each connected part of the mesh, and a void for each part inside of another
+//! one that faces the other way. The mesh edges between two patches are chained, the chains are
 //! projected onto both surfaces, and become lines, arcs or cubic B-splines. Vertices lie on all surfaces around them.
 //!
-//! A patch for which that fails becomes its triangles, each of which is a flat face. [`Report::fallbacks`] names it.
+//! Where that fails, the triangles next to the place become flat faces, and the whole patch if it fails again.
+//! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is [`EXACT`]: modelling kernels
+//! that do not heal take no more.
 
 mod chart;
 mod contact;
+mod crossings;
 mod curves;
 mod faces;
+mod facets;
+mod fallback;
 mod guard;
 mod hermite;
 mod network;
 mod pcurves;
 mod rings;
+mod settle;
 mod shell;
+mod shells;
 mod vertices;
 mod winding;
 
 use formats::Brep;
 
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::mesh::{EdgeMap, Mesh};
 use crate::primitives::{Primitive, PrimitiveKind};
 
@@ -45,14 +53,14 @@ pub struct Options {
     pub name: String,
 }
 
-/// A face that became facets.
+/// A face of which some or all triangles became facets.
 #[derive(Debug, Clone)]
 pub struct Fallback {
     /// The kind of its surface.
     pub kind: PrimitiveKind,
-    /// The number of its triangles.
+    /// The number of these triangles.
     pub triangles: usize,
-    /// A point of it in mm.
+    /// A point of them in mm.
     pub place: Point,
     /// The reason.
     pub why: String,
@@ -61,43 +69,67 @@ pub struct Fallback {
 /// What was made.
 #[derive(Debug, Clone, Default)]
 pub struct Report {
-    /// For each face of the solid the kind of its surface.
-    pub kinds: Vec<PrimitiveKind>,
-    /// For each face its triangles and their surface.
+    /// For each face of the solid its triangles and their surface.
     pub patches: Vec<FacePatch>,
     /// The faces that are facets only.
     pub facets: usize,
-    /// The faces that became facets here.
+    /// The faces that became facets here, whole or in part.
     pub fallbacks: Vec<Fallback>,
     /// The largest distance in mm between an edge and its faces.
     pub gap: f64,
 }
 
-/// Why patches do not become faces.
-#[derive(Debug, Clone)]
-pub(crate) struct SeamFault {
-    /// The patches.
-    patches: Vec<usize>,
-    why: String,
-}
-
-impl SeamFault {
-    fn new(patches: &[usize], why: impl Into<String>) -> Self {
-        SeamFault { patches: patches.to_vec(), why: why.into() }
+impl Report {
+    /// For each face of the solid the kind of its surface.
+    pub fn kinds(&self) -> Vec<PrimitiveKind> {
+        self.patches.iter().map(|patch| patch.surface.kind()).collect()
     }
 }
 
-/// What all steps read.
+/// Why there is no solid.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SolidFault {
+    /// The mesh has no triangles.
+    #[error("the mesh has no triangles")]
+    Empty,
+    /// The mesh is not closed.
+    #[error("the mesh is not closed: {edges} edges have one triangle, one of them at {place}")]
+    Open {
+        /// The number of edges that do not have two triangles.
+        edges: usize,
+        /// A point of one in mm.
+        place: Point,
+    },
+    /// Neighbouring triangles face opposite ways.
+    #[error("the triangles at {place} face opposite ways")]
+    Unoriented {
+        /// The place in mm.
+        place: Point,
+    },
+    /// Not even the triangles make a valid solid.
+    #[error("the triangles make no valid solid: {0}")]
+    Unsound(String),
+}
+
+/// Edges and vertices lie on their faces within so many mm: the precision of modelling kernels, 1e-7, less a fifth.
+const EXACT: f64 = 8e-8;
+
+/// What all steps of one shell read.
 struct Work<'a> {
     mesh: &'a Mesh,
-    errors: &'a [f64],
+    /// The errors of the vertices. Loose edges of the model add to the rounding.
+    errors: Vec<f64>,
+    /// The farthest that loose edges put a vertex off its surface, in mm.
+    loose: f64,
     edges: EdgeMap,
     patches: Vec<FacePatch>,
+    /// How often each patch lost triangles. Of a facet that was split before, 1.
+    tries: Vec<u32>,
     /// For each triangle its patch.
     of_triangle: Vec<usize>,
 }
 
-/// Makes the solid. Lengths are in mm.
+/// Makes the solids. Lengths are in mm.
 ///
 /// # Errors
 /// The mesh is not closed, or not even its triangles make a valid solid.
@@ -106,104 +138,81 @@ pub fn solid(
     errors: &[f64],
     patches: Vec<FacePatch>,
     options: &Options,
-) -> Result<(Brep, Report), String> {
+) -> Result<(Brep, Report), SolidFault> {
     let edges = EdgeMap::new(mesh);
-    if (0..3 * mesh.triangles.len()).any(|side| edges.across(side).is_none()) {
-        return Err("the mesh is not closed".into());
+    shells::check(mesh, &edges)?;
+    let parts = shells::split(mesh, errors, &edges, &patches);
+    let mut report = Report::default();
+    let mut made = Vec::with_capacity(parts.len());
+    for part in &parts {
+        let (shell, own) = Work::new(part).made()?;
+        made.push(shell);
+        report.patches.extend(own.patches.into_iter().map(|patch| part.in_whole(patch)));
+        report.facets += own.facets;
+        report.fallbacks.extend(own.fallbacks);
+        report.gap = report.gap.max(own.gap);
     }
-    let of_triangle = vec![0; mesh.triangles.len()];
-    let mut work = Work { mesh, errors, edges, patches, of_triangle };
-    let mut fallbacks = Vec::new();
-    loop {
-        work.number();
-        match shell::shell(&mut work, &options.name) {
-            Ok((brep, gap)) => {
-                let kinds = work.patches.iter().map(|p| p.surface.kind()).collect();
-                let facets = work.patches.iter().filter(|p| p.is_facet).count();
-                return Ok((brep, Report { kinds, patches: work.patches, facets, fallbacks, gap }));
-            }
-            Err(fault) => work.give_up(&fault, &mut fallbacks)?,
-        }
-    }
+    let brep = shells::join(&parts, made, &options.name);
+    brep.check().map_err(|fault| SolidFault::Unsound(fault.to_string()))?;
+    Ok((brep, report))
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
+    fn new(part: &'a shells::ShellPart) -> Self {
+        let mut work = Work {
+            mesh: &part.mesh,
+            errors: part.errors.clone(),
+            loose: 0.0,
+            edges: EdgeMap::new(&part.mesh),
+            patches: Vec::new(),
+            tries: Vec::new(),
+            of_triangle: vec![0; part.mesh.triangles.len()],
+        };
+        for patch in &part.patches {
+            for set in work.joined(&patch.triangles).members() {
+                let triangles = set.iter().map(|&k| patch.triangles[k as usize]).collect();
+                work.patches.push(FacePatch { triangles, ..patch.clone() });
+            }
+        }
+        work.tries = vec![0; work.patches.len()];
+        work
+    }
+
+    /// Tries to make the shell until nothing fails.
+    fn made(mut self) -> Result<(Brep, Report), SolidFault> {
+        let mut fallbacks = Vec::new();
+        let mut faults = self.loosen();
+        loop {
+            if !faults.is_empty() && !self.give_up(&faults, &mut fallbacks) {
+                let why = faults.into_iter().next().map_or_else(String::new, |fault| fault.why);
+                return Err(SolidFault::Unsound(why));
+            }
+            self.number();
+            match shell::shell(&mut self) {
+                Ok((brep, gap)) => {
+                    let facets = self.patches.iter().filter(|p| p.is_facet).count();
+                    return Ok((brep, Report { patches: self.patches, facets, fallbacks, gap }));
+                }
+                Err(found) => faults = found,
+            }
+        }
+    }
+
     fn number(&mut self) {
         for (number, patch) in self.patches.iter().enumerate() {
             patch.triangles.iter().for_each(|&t| self.of_triangle[t as usize] = number);
         }
     }
+}
 
-    /// Makes facets of the patches that failed. A plane that fails first gives up its curved neighbours.
-    fn give_up(&mut self, fault: &SeamFault, fallbacks: &mut Vec<Fallback>) -> Result<(), String> {
-        let is_curved =
-            |work: &Self, i: &usize| work.patches[*i].surface.kind() != PrimitiveKind::Plane;
-        let is_whole = |work: &Self, i: &usize| work.patches[*i].triangles.len() > 1;
-        let curved = |of: &[usize]| -> Vec<usize> {
-            of.iter().copied().filter(|i| is_curved(self, i)).collect()
-        };
-        let mut bad = curved(&fault.patches);
-        if bad.is_empty() {
-            bad = fault.patches.iter().copied().filter(|i| self.patches[*i].is_facet).collect();
-            bad.retain(|i| is_whole(self, i));
-        }
-        if bad.is_empty() {
-            bad = curved(&self.neighbours(&fault.patches));
-        }
-        if bad.is_empty() {
-            bad = fault.patches.iter().copied().filter(|i| is_whole(self, i)).collect();
-        }
-        if bad.is_empty() {
-            bad = (0..self.patches.len()).filter(|i| is_whole(self, i)).collect();
-        }
-        if bad.is_empty() {
-            return Err(fault.why.clone());
-        }
-        bad.sort_unstable();
-        bad.dedup();
-        for i in bad {
-            let patch = &self.patches[i];
-            let [a, ..] = self.mesh.triangles[patch.triangles[0] as usize];
-            if !patch.is_facet {
-                fallbacks.push(Fallback {
-                    kind: patch.surface.kind(),
-                    triangles: patch.triangles.len(),
-                    place: self.mesh.point(a),
-                    why: fault.why.clone(),
-                });
-            }
-            self.split(i);
-        }
-        Ok(())
-    }
-
-    fn neighbours(&self, patches: &[usize]) -> Vec<usize> {
-        let mut found = Vec::new();
-        for &t in patches.iter().flat_map(|&i| &self.patches[i].triangles) {
-            for side in 3 * t as usize..3 * t as usize + 3 {
-                found.extend(self.edges.across(side).map(|twin| self.of_triangle[twin / 3]));
-            }
-        }
-        found.sort_unstable();
-        found.dedup();
-        found.retain(|i| !patches.contains(i));
-        found
-    }
-
-    /// Replaces a patch by its triangles.
-    fn split(&mut self, i: usize) {
-        let triangles = std::mem::take(&mut self.patches[i].triangles);
-        let mut parts = triangles.into_iter().map(|t| {
-            let corners = self.mesh.triangles[t as usize];
-            let normal = self.mesh.area_vector(corners);
-            let normal = normal.try_normalize(0.0).unwrap_or_else(crate::geometry::Vector::z);
-            let surface = Primitive::Plane { origin: self.mesh.point(corners[0]), normal };
-            FacePatch { surface, side: 1.0, is_facet: true, triangles: vec![t] }
-        });
-        if let Some(first) = parts.next() {
-            let rest: Vec<FacePatch> = parts.collect();
-            self.patches[i] = first;
-            self.patches.extend(rest);
-        }
+impl FacePatch {
+    /// A facet of some triangles. Its plane is laid through its vertices later.
+    fn facet(mesh: &Mesh, triangles: Vec<u32>) -> Self {
+        let of = |t: &u32| mesh.triangles[*t as usize];
+        let normal: Vector = triangles.iter().map(|t| mesh.area_vector(of(t))).sum();
+        let normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector::z);
+        let origin = triangles.first().map_or_else(Point::origin, |t| mesh.point(of(t)[0]));
+        let surface = Primitive::Plane { origin, normal };
+        FacePatch { surface, side: 1.0, is_facet: true, triangles }
     }
 }

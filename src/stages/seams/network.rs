@@ -1,6 +1,7 @@
 //! Chains of mesh edges between two patches, and the loops of each patch.
 
-use super::{SeamFault, Work};
+use super::Work;
+use super::fallback::SeamFault;
 use crate::geometry::Point;
 
 /// Mesh edges between the same two patches. The left one is on the left of the direction, seen from outside.

@@ -4,15 +4,13 @@ use std::f64::consts::TAU;
 
 use formats::brep::{BrepCurve, BrepSurface, PCurve};
 
+use super::EXACT;
 use super::chart::Chart;
 use super::hermite::through;
 use crate::geometry::Point;
 
 /// A pcurve agrees with its edge within so many mm, a third of the kernels' precision.
 const AGREES: f64 = 3e-8;
-
-/// A straight pcurve of touching surfaces may be a little worse than that: it is what the file can state.
-const STRAIGHT: f64 = 1e-7;
 
 /// Angles and lengths that differ by less are the same: rounding of the formulas.
 const ROUNDED: f64 = 1e-12;
@@ -54,7 +52,7 @@ pub(super) fn pcurve(
     }
     if let Ok(line) = PCurve::line(from, to, (start, end)) {
         let worst = gap(&line, &t);
-        if worst < STRAIGHT {
+        if worst < EXACT {
             return Ok((line, worst));
         }
     }

@@ -3,10 +3,12 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::contact::{contact, touch};
+use super::fallback::SeamFault;
 use super::network::ChainNetwork;
-use super::{SeamFault, Work};
+use super::shell::none;
+use super::{EXACT, FacePatch, Work};
 use crate::geometry::{Point, Vector};
-use crate::primitives::{Primitive, PrimitiveKind};
+use crate::primitives::Primitive;
 
 const STEPS: usize = 15;
 
@@ -16,53 +18,62 @@ const STEP: f64 = 1e-6;
 /// Directions in which the surfaces hold a vertex less than this do not move it.
 const HELD: f64 = 1e-5;
 
-/// A vertex is on a surface within so many errors of the mesh's vertices, or this many mm, whichever is more.
-const ERRORS: f64 = 20.0;
-const ON: f64 = 1e-6;
-
-/// A vertex stays so close to its place in the mesh, in mm or in errors.
-const MOVED: f64 = 1e-4;
-const MOVED_ERRORS: f64 = 100.0;
+/// A vertex moves by less than this share of its shortest edge. What moves more changes which edges meet.
+const MOVES: f64 = 0.25;
 
 impl Work<'_> {
-    /// Moves the vertices onto the surfaces. Facets do not hold vertices; their planes follow.
-    pub(super) fn place_vertices(&self, network: &mut ChainNetwork) -> Result<(), SeamFault> {
+    /// For each vertex of the mesh the patches that hold it. Facets of one triangle follow instead.
+    pub(super) fn holding(&self) -> Vec<Vec<usize>> {
         let mut around: Vec<Vec<usize>> = vec![Vec::new(); self.mesh.points.len()];
         for (t, corners) in self.mesh.triangles.iter().enumerate() {
-            corners.iter().for_each(|v| around[v.index()].push(self.of_triangle[t]));
-        }
-        for (n, &v) in network.junctions.iter().enumerate() {
-            let mut all = around[v as usize].clone();
-            all.sort_unstable();
-            all.dedup();
-            let holding: Vec<usize> =
-                all.iter().copied().filter(|&i| !self.patches[i].is_facet).collect();
-            let surfaces: Vec<Primitive> =
-                holding.iter().map(|&i| self.patches[i].surface).collect();
-            let (start, error) = (network.vertices[n], self.errors[v as usize]);
-            let (at, left) = placed(&surfaces, start, error);
-            let moved = (at - start).norm();
-            if left > ON.max(ERRORS * error) || moved > MOVED.max(MOVED_ERRORS * error) {
-                let curved = |i: &usize| self.patches[*i].surface.kind() != PrimitiveKind::Plane;
-                let mut bad: Vec<usize> = holding.iter().copied().filter(curved).collect();
-                if bad.is_empty() {
-                    bad = holding;
-                }
-                let why = format!("a vertex is {left:.1e} mm off its surfaces, moved {moved:.1e}");
-                return Err(SeamFault::new(&bad, why));
+            let own = self.of_triangle[t];
+            if !self.patches[own].is_facet || self.patches[own].triangles.len() > 1 {
+                corners.iter().for_each(|v| around[v.index()].push(own));
             }
-            network.vertices[n] = at;
         }
-        Ok(())
+        for own in &mut around {
+            own.sort_unstable();
+            own.dedup();
+        }
+        around
+    }
+
+    /// Moves the vertices onto the surfaces. Facets of one triangle do not hold vertices; their planes follow.
+    pub(super) fn place_vertices(&self, network: &mut ChainNetwork) -> Result<(), Vec<SeamFault>> {
+        let around = self.holding();
+        let mut shortest = vec![f64::INFINITY; self.mesh.points.len()];
+        for side in 0..3 * self.mesh.triangles.len() {
+            let (a, b) = self.mesh.side(side);
+            let long = (self.mesh.point(a) - self.mesh.point(b)).norm();
+            shortest[a.index()] = shortest[a.index()].min(long);
+        }
+        let mut faults = Vec::new();
+        for (n, &v) in network.junctions.iter().enumerate() {
+            let all = &around[v as usize];
+            let patches: Vec<&FacePatch> = all.iter().map(|&i| &self.patches[i]).collect();
+            let start = network.vertices[n];
+            let (at, left) = placed(&patches, start, self.errors[v as usize]);
+            let moved = (at - start).norm();
+            if left < EXACT && moved < MOVES * shortest[v as usize] {
+                network.vertices[n] = at;
+            } else {
+                let why = format!("a vertex is {left:.1e} mm off its surfaces, moved {moved:.1e}");
+                faults.push(SeamFault::near(all, &[v], why));
+            }
+        }
+        none(faults)
     }
 }
 
 /// The point, and the largest residual there.
-fn placed(surfaces: &[Primitive], start: Point, error: f64) -> (Point, f64) {
+fn placed(patches: &[&FacePatch], start: Point, error: f64) -> (Point, f64) {
+    let surfaces: Vec<&Primitive> = patches.iter().map(|patch| &patch.surface).collect();
     let mut pairs = Vec::new();
-    for (i, a) in surfaces.iter().enumerate() {
-        let others = surfaces[i + 1..].iter();
-        pairs.extend(others.filter(|b| touch(a, b, &[start], error)).map(|b| (a, b)));
+    for (i, a) in patches.iter().enumerate() {
+        let others = patches[i + 1..].iter().filter(|b| !a.is_facet && !b.is_facet);
+        let others = others.map(|b| &b.surface);
+        let touching = others.filter(|b| touch(&a.surface, b, &[start], error));
+        pairs.extend(touching.map(|b| (&a.surface, b)));
     }
     let residual = |p: Point| {
         let mut rows: Vec<f64> = surfaces.iter().map(|s| s.distance(p).0).collect();

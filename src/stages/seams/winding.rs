@@ -4,8 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::chart::{Chart, around};
 use super::curves::Pair;
+use super::fallback::SeamFault;
 use super::network::{ChainNetwork, ChainUse};
-use super::{SeamFault, Work};
+use super::{EXACT, Work};
 use crate::geometry::{Point, Vector};
 use crate::primitives::{Primitive, PrimitiveKind};
 
@@ -36,7 +37,7 @@ const CLEAR: f64 = 0.02;
 const POLE: f64 = 0.985;
 
 /// A vertex lies on a seam if its angle is so close.
-pub(super) const ON_SEAM: f64 = 1e-9;
+const ON_SEAM: f64 = 1e-9;
 
 /// Neighbouring points of a chain never turn so far about an axis.
 const JUMP: f64 = 1.5;
@@ -167,14 +168,16 @@ impl Work<'_> {
     ) -> f64 {
         let rings = network.loops[i].iter().enumerate();
         let mut others: Vec<[f64; 2]> = Vec::new();
+        let mut own: Vec<Vec<f64>> = Vec::new();
         let mut vertices = Vec::new();
         for (number, ring) in rings {
+            let uv = chart.unwrapped(&network.ring_points(ring), None);
             if winding.contains(&number) {
                 let ends = ring.iter().filter_map(|of| network.chains[of.0].ends);
                 let places = ends.flatten().map(|v| chart.parameters(network.vertices[v]).0[k]);
                 vertices.extend(places);
+                own.push(uv.iter().map(|uv| uv[k]).collect());
             } else {
-                let uv = chart.unwrapped(&network.ring_points(ring), None);
                 let values = uv.iter().map(|uv| uv[k]);
                 let low = values.clone().fold(f64::INFINITY, f64::min);
                 others.push([low, values.fold(f64::NEG_INFINITY, f64::max)]);
@@ -185,11 +188,14 @@ impl Work<'_> {
                 let (low, high) = (low - CLEAR, high + CLEAR);
                 let above = u + TAU * ((low - u) / TAU).ceil();
                 above > high
-            })
+            }) && own.iter().all(|loop_around| crosses_once(loop_around, *u))
         };
+        vertices.sort_unstable_by(f64::total_cmp);
         let score = |u: &f64| vertices.iter().filter(|v| around(*v - u).abs() < ON_SEAM).count();
         let mut best: Option<(usize, f64)> = None;
-        for u in vertices.iter().copied().chain([0.0, FRAC_PI_2, PI, -FRAC_PI_2]) {
+        let between = vertices.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let quarters = [0.0, FRAC_PI_2, PI, -FRAC_PI_2];
+        for u in vertices.iter().copied().chain(quarters).chain(between) {
             if is_clear(&u) && best.is_none_or(|(found, _)| score(&u) > found) {
                 best = Some((score(&u), u));
             }
@@ -218,7 +224,7 @@ impl Work<'_> {
             let ring = network.loops[i][number].clone();
             let ends = ring.iter().filter_map(|of| network.chains[of.0].ends);
             let mut places = ends.flatten().map(|v| network.vertices[v]);
-            if places.any(|p| off(p).abs() < ON_SEAM) {
+            if places.any(|p| chart.off_seam(p, k, seam) < 0.5 * EXACT) {
                 continue;
             }
             let Some((chain, after, p)) = self.on_seam(network, &ring, &off) else {
@@ -260,6 +266,16 @@ impl Work<'_> {
     pub(super) fn pair(&self, left: usize, right: usize, touches: bool) -> Pair<'_> {
         Pair { a: &self.patches[left].surface, b: &self.patches[right].surface, touches }
     }
+}
+
+/// Whether a loop that goes around passes an angle once, and does not run along it.
+fn crosses_once(angles: &[f64], u: f64) -> bool {
+    let all = angles.iter().skip(1).map(|angle| around(angle - u));
+    let off: Vec<f64> = all.filter(|off| off.abs() > ON_SEAM).collect();
+    let Some(&last) = off.last() else { return false };
+    let before = std::iter::once(last).chain(off.iter().copied());
+    let passes = before.zip(&off).filter(|(a, b)| a * **b < 0.0 && (a - **b).abs() < PI).count();
+    passes == 1 && angles.len() - 1 - off.len() < 2
 }
 
 fn loop_normal(ring: &[Point]) -> Option<Vector> {
