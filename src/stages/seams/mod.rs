@@ -9,6 +9,7 @@
 //! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is [`EXACT`]: modelling kernels
 //! that do not heal take no more.
 
+mod agreement;
 mod chart;
 mod contact;
 mod crossings;
@@ -21,7 +22,6 @@ mod hermite;
 mod network;
 mod pcurves;
 mod rings;
-mod settle;
 mod shell;
 mod shells;
 mod vertices;

@@ -21,7 +21,7 @@ const KERNEL: f64 = 1e-7;
 pub(super) fn shell(work: &mut Work) -> Result<(Brep, f64), Vec<SeamFault>> {
     let mut network = work.network().map_err(|fault| vec![fault])?;
     work.lay_facets();
-    work.settle(&network);
+    work.agree(&network);
     work.place_vertices(&mut network)?;
     work.fit_facets(&network)?;
     work.refine(&mut network)?;

@@ -27,11 +27,11 @@ pub(super) fn check(mesh: &Mesh, edges: &EdgeMap) -> Result<(), SolidFault> {
         let place = mesh.point(mesh.side(first).0);
         return Err(SolidFault::Open { edges: open.len(), place });
     }
-    let is_turned = |&side: &usize| {
+    let is_inverted = |&side: &usize| {
         let (a, b) = mesh.side(side);
         edges.across(side).is_some_and(|twin| mesh.side(twin) != (b, a))
     };
-    match (0..3 * mesh.triangles.len()).find(is_turned) {
+    match (0..3 * mesh.triangles.len()).find(is_inverted) {
         Some(side) => Err(SolidFault::Unoriented { place: mesh.point(mesh.side(side).0) }),
         None if mesh.triangles.is_empty() => Err(SolidFault::Empty),
         None => Ok(()),

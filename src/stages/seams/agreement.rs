@@ -49,7 +49,7 @@ struct Condition {
 
 impl Work<'_> {
     /// Moves the surfaces. Those of a group stay if their vertices would leave them.
-    pub(super) fn settle(&mut self, network: &ChainNetwork) {
+    pub(super) fn agree(&mut self, network: &ChainNetwork) {
         let mut meetings = self.meetings(network);
         let before: Vec<Primitive> = self.patches.iter().map(|patch| patch.surface).collect();
         let mut is_stuck = vec![false; before.len()];
