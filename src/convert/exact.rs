@@ -48,7 +48,7 @@ pub(super) fn closed(scan: &Components, options: &Options) -> Vec<(Choice, Targe
 }
 
 /// A component with its exact regions.
-struct Found {
+struct ExactComponent {
     component: Choice,
     shape: TargetShape,
     mesh: Mesh,
@@ -107,7 +107,7 @@ fn regions_of(
     component: Choice,
     shape: TargetShape,
     options: &Options,
-) -> Result<Option<Found>> {
+) -> Result<Option<ExactComponent>> {
     let (body, input) = input::whole_body(scan, component, shape, options)?;
     let (mesh, unit) = (body.mesh, scan.unit());
     let errors = FileRounding::errors_of(&mesh.points, unit);
@@ -120,7 +120,7 @@ fn regions_of(
     if !regions.is_significant() {
         return Ok(None);
     }
-    Ok(Some(Found { component, shape, mesh, input, errors, regions }))
+    Ok(Some(ExactComponent { component, shape, mesh, input, errors, regions }))
 }
 
 /// The exact faces that a conversion finds on a component.
@@ -163,12 +163,12 @@ pub(super) fn left_for_splines(scan: &Components, options: &Options) -> Result<O
 
 /// Makes the body of one component, or says why there is no valid one.
 fn body(
-    found: Found,
+    found: ExactComponent,
     scan: &Components,
     options: &Options,
     watch: &mut Observer,
 ) -> Result<std::result::Result<Body, String>> {
-    let Found { shape, mesh, input, errors, regions, .. } = found;
+    let ExactComponent { shape, mesh, input, errors, regions, .. } = found;
     let mm = scan.mm();
     let mesh = mesh.scaled(mm);
     let errors: Vec<f64> = errors.into_iter().map(|e| mm * e).collect();
@@ -205,7 +205,7 @@ fn body(
         patches.iter_mut().for_each(|patch| patch.side = -patch.side);
     }
     let distances = Distances::of(&mesh, &patches);
-    if distances.explained < MOST_OF_IT {
+    if distances.explained <= regions::MOST_OF_IT {
         return Ok(Err(format!(
             "{:.0} % of its area would be facets, as {}",
             100.0 * (1.0 - distances.explained),
@@ -251,9 +251,6 @@ fn body(
         })),
     }))
 }
-
-/// Exact faces are worth it if they are most of the area.
-const MOST_OF_IT: f64 = 0.5;
 
 /// How far the vertices and the triangles of a mesh are from the surfaces of their faces.
 struct Distances {

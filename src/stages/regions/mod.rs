@@ -37,6 +37,7 @@ mod tori;
 
 pub use precision::FlatPairs;
 pub use prisms::Prism;
+pub(crate) use result::MOST_OF_IT;
 pub use result::{FaceRegion, RegionOrigin, Regions};
 pub use rounding::FileRounding;
 pub use snap::{Snap, SnapKind};
@@ -76,26 +77,8 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     let generous = if is_noise { 1.0 } else { most_slack(mesh) };
     let mut claims = Claims { regions: Vec::new(), of: vec![NONE; count], generous };
     // Noise has no surface to be found, only faces that happen to be flat.
-    while !is_noise {
-        let mut hopeless = Vec::new();
-        for _ in 0..MOST_SEARCHES {
-            evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
-            let known = claims.regions.iter().map(GrownRegion::surface).collect();
-            let mut search = SeedSearch::new(&evidence, known, hopeless);
-            let found = search.run();
-            let before = claims.regions.len();
-            competition::compete(&evidence, &mut search, found, &mut claims);
-            hopeless = search.into_hopeless();
-            if claims.regions.len() == before {
-                break;
-            }
-            claims.merge(&evidence);
-            claims.absorb(&evidence, false);
-        }
-        if evidence.slack >= generous {
-            break;
-        }
-        evidence.slack = (SLACK_STEP * evidence.slack).min(generous);
+    if !is_noise {
+        search(&mut evidence, &mut claims, generous);
     }
     evidence.closed.fill(false);
     evidence.slack = generous;
@@ -114,6 +97,31 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     result.prisms = prisms;
     result.snaps = snap::snap(mesh, &mut result, options.unit);
     result
+}
+
+/// Searches for regions with errors of growing size, up to so many times those of the mesh.
+fn search(evidence: &mut ExactFacets, claims: &mut Claims, generous: f64) {
+    loop {
+        let mut hopeless = Vec::new();
+        for _ in 0..MOST_SEARCHES {
+            evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
+            let known = claims.regions.iter().map(GrownRegion::surface).collect();
+            let mut search = SeedSearch::new(evidence, known, hopeless);
+            let found = search.run();
+            let before = claims.regions.len();
+            competition::compete(evidence, &mut search, found, claims);
+            hopeless = search.into_hopeless();
+            if claims.regions.len() == before {
+                break;
+            }
+            claims.merge(evidence);
+            claims.absorb(evidence, false);
+        }
+        if evidence.slack >= generous {
+            break;
+        }
+        evidence.slack = (SLACK_STEP * evidence.slack).min(generous);
+    }
 }
 
 /// Where faces meet, modelling kernels store curves that are a little off both: up to this share of the diagonal in the parts

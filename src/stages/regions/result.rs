@@ -63,7 +63,7 @@ pub struct Regions {
 }
 
 /// The exact faces are the part if they are most of it: what is left then are a few faces of other kinds.
-const MOST_OF_IT: f64 = 0.5;
+pub(crate) const MOST_OF_IT: f64 = 0.5;
 
 impl Regions {
     /// Whether the mesh is a clean tessellation most of whose area belongs to exact faces: a CAD export. False for scans,
