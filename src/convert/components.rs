@@ -26,7 +26,8 @@ pub(super) fn converted(
         match exact::exact(scan, &closed, options, watch)? {
             Exact::Bodies(bodies) => return one(bodies, options, None),
             Exact::Failed(why) => {
-                fallback = Some(format!("the exact faces make no valid solid: {why}"))
+                fallback =
+                    Some(format!("the exact faces that were found make no sound solid: {why}"))
             }
             Exact::Unsuited => {}
         }
@@ -34,6 +35,8 @@ pub(super) fn converted(
     let mut made = with_splines(scan, options, watch)?;
     if let Some(body) = made.parts.iter_mut().flat_map(|part| &mut part.bodies).next() {
         body.hints.extend(exact::left_for_splines(scan, options)?);
+        let as_splines = |why| format!("the faces are B-splines, as {why}");
+        body.hints.extend(fallback.as_ref().map(as_splines));
     }
     Ok(Conversion { fallback: made.fallback.or(fallback), ..made })
 }

@@ -3,8 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::{ACCURACY, Jet, ParametricSurface, Surface};
-use crate::geometry::{MOST_ROUNDS, Point, Uv};
-use crate::solve::shares;
+use crate::geometry::{Point, Uv};
 
 /// The parameter point of a local minimum of the distance from `p` to the surface, and this
 /// distance in mm. The descent starts at `start` and stays inside the domain.
@@ -17,6 +16,9 @@ use crate::solve::shares;
 pub fn foot_point<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
     foot_point_moving(surface, p, start, [true; 2], ACCURACY)
 }
+
+/// The largest number of steps. From most starts a few suffice.
+const STEPS: usize = 30;
 
 /// The step length of a coarse descent, as a share of a mean knot span. The error that Newton's
 /// method leaves is about the square of its last step.
@@ -70,7 +72,7 @@ pub(super) fn descend<S: ParametricSurface + ?Sized>(
     let mut at = surface.clamp(start);
     let mut jet = surface.jet(at);
     let mut distance = (jet.s - p).norm_squared();
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..STEPS {
         let r = jet.s - p;
         let gradient = Vector2::new(r.dot(&jet.su), r.dot(&jet.sv));
         let metric = Matrix2::new(
@@ -83,14 +85,20 @@ pub(super) fn descend<S: ParametricSurface + ?Sized>(
         let inside = free_axes(surface, at, gradient);
         let free = [moves[0] && inside[0], moves[1] && inside[1]];
         let Some(step) = descent(metric + bend, metric, gradient, free) else { break };
-        // A step below the last step length fails only because of rounding.
-        let is_long = |share: &f64| *share == 1.0 || (*share * step).amax() >= last_step;
-        let nearer = shares().take_while(is_long).find_map(|share| {
+        let mut share = 1.0;
+        let nearer = loop {
             let next = surface.clamp(at + share * step);
             let there = surface.jet(next);
             let d = (there.s - p).norm_squared();
-            (d < distance).then_some((next, there, d))
-        });
+            if d < distance {
+                break Some((next, there, d));
+            }
+            share *= 0.5;
+            // A step below the last step length fails only because of rounding.
+            if share < 1e-3 || (share * step).amax() < last_step {
+                break None;
+            }
+        };
         let Some((next, there, d)) = nearer else { break };
         let moved = (next - at).amax();
         (at, jet, distance) = (next, there, d);

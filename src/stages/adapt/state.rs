@@ -6,9 +6,13 @@ use super::inner::InnerSamples;
 use super::moves::correct::LEAST_AREA;
 use super::moves::reject;
 use super::problem::Problem;
-use crate::geometry::{NEGLIGIBLE, Uv};
+use crate::geometry::Uv;
 use crate::spline::{KnotVector, Samples};
 use crate::stages::fit::TangentDistance;
+
+/// The weight of an outlier, as a multiple: none that a fit would show. Equations need it to be
+/// above 0.
+const OUTLIER_WEIGHT: f64 = 1e-6;
 
 /// Everything that a fit depends on and that a move may change. Moves do not change a state;
 /// they return another one.
@@ -50,8 +54,7 @@ impl State {
     /// The vertices alone.
     pub(crate) fn vertices(&self, problem: &Problem) -> Samples {
         let mut weights = self.weights.clone();
-        // Equations need a weight above 0.
-        self.outliers.iter().for_each(|&v| weights[v] *= NEGLIGIBLE);
+        self.outliers.iter().for_each(|&v| weights[v] *= OUTLIER_WEIGHT);
         let points = problem.map.patch.mesh.points.clone();
         Samples { points, uv: self.uv.clone(), weights, open: problem.is_open() }
     }

@@ -20,7 +20,6 @@ use rayon::prelude::*;
 use super::knot_cells::KnotCells;
 use super::moments::{Moments, powers};
 use super::normal::PaddedPoint;
-use crate::geometry::ROUNDING;
 use crate::spline::spans::{Cubic, PAIRS, Sextic, Span, products};
 
 type Gram = SMatrix<f64, 16, 16>;
@@ -179,12 +178,12 @@ fn solve(cells: &KnotCells, p: usize, q: usize, gram: &Gram, right: &Coefficient
         [1.0, cells.knots[0].greville(u.1), cells.knots[1].greville(v.1)][c]
     });
     let plane_gram = plane.transpose() * gram * plane;
-    let damp = SMatrix::<f64, 3, 3>::identity() * (ROUNDING * plane_gram.trace());
+    let damp = SMatrix::<f64, 3, 3>::identity() * (1e-12 * plane_gram.trace());
     let prior =
         (plane_gram + damp).cholesky().map(|f| plane * f.solve(&(plane.transpose() * right)));
     let prior = prior.unwrap_or_else(Coefficients::zeros);
-    let pull = ROUNDING + (8.0 / plane_gram[(0, 0)].max(1.0)).powi(6) / 100.0;
-    let weak = pull * gram.trace() / gram.nrows() as f64;
+    let pull = 1e-13 + 1e-2 * (8.0 / plane_gram[(0, 0)].max(1.0)).powi(6);
+    let weak = pull * gram.trace() / 16.0;
     match (gram + Gram::identity() * weak).cholesky() {
         Some(f) => {
             LocalFit { coefficients: f.solve(&(right + prior * weak)), weights: gram.diagonal() }

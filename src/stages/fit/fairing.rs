@@ -140,7 +140,7 @@ impl Lengths {
         let usual = [usual(0, p), usual(1, q)];
         let own = cell.slopes.unwrap_or(usual);
         // The own lengths of collapsed or creased cells are not reliable.
-        [0, 1].map(|k| own[k].clamp(usual[k] / 100.0, 100.0 * usual[k]))
+        [0, 1].map(|k| own[k].clamp(1e-2 * usual[k], 1e2 * usual[k]))
     }
 }
 

@@ -12,7 +12,7 @@ use super::knot_cells::KnotCells;
 use super::strips::StripSums;
 use super::weight::Weight;
 use crate::error::{self, Result};
-use crate::geometry::{NONE, ROUNDING};
+use crate::geometry::NONE;
 use crate::solve::cholesky::Cholesky;
 use crate::spline::spans::{PAIRS, Span};
 
@@ -37,6 +37,10 @@ pub(crate) struct NormalEquations<W = f64> {
     /// The part of the diagonal that comes from the fairing term.
     pub unsupported: Vec<f64>,
 }
+
+/// The weight that holds every control point at the centre of the samples, as a share of the
+/// fairing term's diagonal. It makes the equations regular if the samples do not determine a plane.
+const ANCHOR: f64 = 1e-11;
 
 impl<W: Weight> NormalEquations<W> {
     /// Sums up the samples. Each sample is visited once.
@@ -72,9 +76,7 @@ impl<W: Weight> NormalEquations<W> {
         equations.unsupported = equations.diagonal();
         // The term alone does not determine a plane, and the samples may be too few for it.
         for at in 0..nu * nv {
-            // Every control point is held at the centre of the samples, so that the equations are regular where
-            // these do not determine a plane.
-            let anchor = W::even(ROUNDING * equations.unsupported[at]);
+            let anchor = W::even(ANCHOR * equations.unsupported[at]);
             equations.bands[4 * nv * (at / nv) + at % nv][0] += anchor;
         }
         equations

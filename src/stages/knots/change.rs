@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::jumps::Jumps;
-use crate::geometry::{BLOCK, NEGLIGIBLE, Uv};
+use crate::geometry::{BLOCK, Uv};
 use crate::spline::{KnotVector, Surface};
 
 /// A place at which the surface misses a point, and the distance. The distance is the weight of the
@@ -44,7 +44,7 @@ pub fn insert(
     bounds: &InsertionLimits,
 ) -> [KnotVector; 2] {
     let jumps = Jumps::new(surface);
-    let shortest = (1.0 + NEGLIGIBLE) * 0.5f64.powi(bounds.depth.min(1000) as i32);
+    let shortest = 1.001 * 0.5f64.powi(bounds.depth.min(1000) as i32);
     let reached = |axis: usize, span: usize| {
         let ends = &jumps.breaks[axis][span..span + 2];
         [ends[0].max(reach[0][axis]), ends[1].min(reach[1][axis])]

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Matrix3xX, SMatrix, SVector};
 use rayon::prelude::*;
 
-use crate::geometry::{BLOCK, ROUNDING, Uv, Vector, uv_bounds};
+use crate::geometry::{BLOCK, Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
 
 pub use change::{InsertionLimits, Miss, insert, remove};
@@ -160,7 +160,7 @@ fn mean_error(points: &[ParameterPoint], region: &Region) -> f64 {
     let mut gram: SMatrix<f64, 16, 16> = blocks.iter().map(|block| block.0).sum();
     let right: SMatrix<f64, 16, 3> = blocks.iter().map(|block| block.1).sum();
     // Where the points do not determine all coefficients, the smallest ones are taken.
-    gram += SMatrix::<f64, 16, 16>::identity() * (ROUNDING * gram.trace());
+    gram += SMatrix::<f64, 16, 16>::identity() * (1e-10 * gram.trace());
     let Some(factor) = gram.cholesky() else { return f64::INFINITY };
     let c: Matrix3xX<f64> = Matrix3xX::from_columns(
         &factor.solve(&right).row_iter().map(|r| r.transpose()).collect::<Vec<_>>(),
@@ -174,7 +174,7 @@ fn mean_error(points: &[ParameterPoint], region: &Region) -> f64 {
 /// The Legendre polynomials of degree 0 to 3 over [0, 1].
 fn legendre(t: f64) -> [f64; 4] {
     let x = 2.0 * t - 1.0;
-    [1.0, x, 1.5 * x * x - 0.5, 0.5 * (5.0 * x * x - 3.0) * x]
+    [1.0, x, 1.5 * x * x - 0.5, (2.5 * x * x - 1.5) * x]
 }
 
 #[cfg(test)]

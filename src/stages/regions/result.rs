@@ -8,9 +8,7 @@ use super::prisms::Prism;
 use super::snap::Snap;
 use crate::geometry::NONE;
 use crate::geometry::sets::Sets;
-use crate::primitives::{
-    Covariance, FitOptions, FitSample, Motions, Primitive, PrimitiveKind, fit,
-};
+use crate::primitives::{Covariance, FitOptions, FitSample, Motions, Primitive, fit};
 
 /// What a region is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,9 +68,9 @@ impl Regions {
     /// for remeshed and smoothed models, and for free-form models.
     ///
     /// Curved faces count, because each passed a test of significance. Flat ones count if they hold more vertices than
-    /// determine a plane and the mesh has more pairs that are flat within the rounding than pairs that are nearly so. A mesh
-    /// that has next to no such pairs is one of creases; there, faces count that have nothing but creases around them. No
-    /// face counts if the pairs are those of noise.
+    /// a facet of a smooth surface has and the mesh has more pairs that are flat within the rounding than pairs that are
+    /// nearly so. Faces also count that have nothing but creases around them, as those of a cube. No face counts if
+    /// the pairs are those of noise.
     pub fn is_significant(&self) -> bool {
         self.significant > MOST_OF_IT
     }
@@ -80,18 +78,21 @@ impl Regions {
 
 /// Whether chance does not explain a region.
 fn is_significant(evidence: &ExactFacets, pairs: &FlatPairs, region: &FaceRegion) -> bool {
-    let has_more = region.vertices.len() > PrimitiveKind::Plane.parameters();
+    let is_crease = || {
+        let facet = evidence.facets.of[region.triangles[0] as usize];
+        let borders = &evidence.facets.get(facet).borders;
+        !borders.is_empty() && borders.iter().all(|b| b.dihedral > MOST_TURN)
+    };
     match (region.origin, pairs.is_clean()) {
         (RegionOrigin::Facet, _) | (_, Some(false)) => false,
         (RegionOrigin::Curved, _) => true,
-        (RegionOrigin::Flat, Some(true)) => has_more,
-        (RegionOrigin::Flat, None) => {
-            let facet = evidence.facets.of[region.triangles[0] as usize];
-            let borders = &evidence.facets.get(facet).borders;
-            !borders.is_empty() && borders.iter().all(|b| b.dihedral > MOST_TURN)
-        }
+        (RegionOrigin::Flat, Some(true)) => region.vertices.len() > FACET_CORNERS || is_crease(),
+        (RegionOrigin::Flat, None) => is_crease(),
     }
 }
+
+/// The facets of a smooth surface have three corners, or four where a program makes flat quadrangles.
+const FACET_CORNERS: usize = 4;
 
 /// Makes regions of the claims, and flat ones of the facets that are left.
 pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims, pairs: FlatPairs) -> Regions {

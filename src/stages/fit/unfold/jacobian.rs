@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use crate::geometry::{NEGLIGIBLE, Uv, Vector};
+use crate::geometry::{Uv, Vector};
 use crate::spline::KnotVector;
 use crate::stages::fit::knot_cells::KnotCells;
 use crate::stages::fit::tangent_distance::TangentDistance;
@@ -117,7 +117,7 @@ impl<'a> JacobianSamples<'a> {
         let usual = self.usual[number];
         let slopes = self.slopes(net, [p, q]);
         let home = self.cells.indices(p, q);
-        let between = home.is_empty().then(|| self.facings[number].try_normalize(NEGLIGIBLE));
+        let between = home.is_empty().then(|| self.facings[number].try_normalize(1e-9));
         let mut flagged = Vec::new();
         for (n, [along, across]) in slopes.into_iter().enumerate() {
             let place = [n / ACROSS * FINER, n % ACROSS * FINER];
@@ -234,7 +234,7 @@ fn facings(cells: &KnotCells, holds: &[TangentDistance]) -> Vec<Vector> {
     let at = |c: usize| cells.indices(c / down, c % down);
     let mean = |c: usize| -> Vector {
         let sum: Vector = at(c).iter().map(|&i| holds[i as usize].normal).sum();
-        sum.try_normalize(NEGLIGIBLE).unwrap_or_default()
+        sum.try_normalize(1e-9).unwrap_or_default()
     };
     let count = across * down;
     let mut facings: Vec<Vector> = (0..count).map(mean).collect();

@@ -7,7 +7,7 @@ use super::Slide;
 use super::jacobian::JacobianSample;
 use super::system::BlockSystem;
 use super::terms::Terms;
-use crate::geometry::{NEGLIGIBLE, Uv};
+use crate::geometry::Uv;
 use crate::spline::spans::PAIRS;
 use crate::spline::{Surface, foot_point_moving, last_step};
 use crate::stages::fit::fairing;
@@ -17,6 +17,10 @@ use crate::stages::fit::tangent_distance::TangentDistance;
 /// The share of a Gauss–Newton step that is taken. Full steps overshoot because the Jacobian
 /// determinant is not linear.
 const DAMPING: f64 = 0.5;
+
+/// The weight that keeps control points in place that no other term determines, as a share of the
+/// samples in a mean cell.
+const ANCHOR: f64 = 1e-6;
 
 /// The number of rows and columns around cells with folds that move, too.
 const AROUND: usize = 4;
@@ -141,8 +145,7 @@ impl<'a> Work<'a> {
         for first in 0..4 {
             system.strips(first).into_par_iter().for_each(|strip| terms.add(strip));
         }
-        // Keeps control points in place that no other term determines.
-        system.anchor(NEGLIGIBLE * self.weight);
+        system.anchor(ANCHOR * self.weight);
         let steps = system.solve()?;
         for (&at, step) in system.free.iter().zip(steps) {
             self.surface.net[at] += DAMPING * step;
