@@ -7,9 +7,9 @@ use super::exact_view::ExactView;
 use super::face_mesh::FaceMesh;
 #[cfg(feature = "html")]
 use super::plane::PlaneDrawing;
+use crate::convert::{Body, BodyFit, NetworkFit, Stage};
 #[cfg(feature = "html")]
-use crate::convert::SurfaceFit;
-use crate::convert::{Body, BodyFit, ExactFit, NetworkFit, Stage};
+use crate::convert::{ExactFit, SurfaceFit};
 use crate::deviation::{Deviation, of_network};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, VertexId};

@@ -6,7 +6,7 @@
 //! projected onto both surfaces, and become lines, arcs or cubic B-splines. Vertices lie on all surfaces around them.
 //!
 //! Where that fails, the triangles next to the place become flat faces, and the whole patch if it fails again.
-//! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is [`EXACT`]: modelling kernels
+//! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is 8e-8 mm: modelling kernels
 //! that do not heal take no more.
 
 mod agreement;
