@@ -115,7 +115,7 @@ class Face:
         kind, frame, numbers = self._made.parameters
         if frame is None:
             return Surface(kind)
-        at, _, _, axis = (tuple(row) for row in frame)
+        at, axis = _triple(frame[0]), _triple(frame[3])
         half_angle = math.degrees(numbers[1]) if kind == "cone" else None
         return Surface(
             kind,
@@ -399,6 +399,11 @@ def _curve(degree: int, knots: Floats, points: Floats) -> Union[Curve, Ellipse]:
     if degree > 0:
         return Curve(degree, knots, points)
     return Ellipse((float(knots[0]), float(knots[1])), points[0], points[1:])
+
+
+def _triple(numbers: List[float]) -> Tuple[float, float, float]:
+    x, y, z = numbers
+    return x, y, z
 
 
 def _floats(numbers: Any) -> Floats:
