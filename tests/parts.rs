@@ -8,7 +8,13 @@ use std::path::Path;
 use common::importers::{freecad_solid, opencascade_solid};
 use common::random::Random;
 use common::{arg, checked, convert, converted, fixture, inspect, json, number};
+use scan2step::Options;
+use scan2step::formats::Soup;
 use serde_json::{Value, json};
+
+/// The sides of a cube whose corners are numbered by their coordinates.
+const SIDES: [[u32; 4]; 6] =
+    [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
 
 /// The triangles of a cube between two corners, as ASCII STL. `turned` makes it face inwards.
 fn cube(low: f64, high: f64, turned: bool, noise: f64) -> String {
@@ -18,10 +24,8 @@ fn cube(low: f64, high: f64, turned: bool, noise: f64) -> String {
         let exact = [4, 2, 1].map(|bit| if k & bit == 0 { low } else { high });
         corners.push(exact.map(|x| x + noise * (random.share() - 0.5)));
     }
-    let sides =
-        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
     let mut text = String::new();
-    for [a, b, c, d] in sides {
+    for [a, b, c, d] in SIDES.map(|side| side.map(|k| k as usize)) {
         for [p, q, r] in [[a, b, c], [a, c, d]] {
             let [q, r] = if turned { [r, q] } else { [q, r] };
             text += "facet normal 0 0 0\nouter loop\n";
@@ -172,4 +176,21 @@ fn a_bracket_has_its_bores_and_fillets() {
     let page = std::fs::read_to_string(page).expect("a page");
     assert!(page.contains("15 faces"));
     assert!(std::fs::metadata(picture).expect("a picture").len() > 10_000);
+}
+
+#[test]
+fn every_vertex_of_the_file_has_its_point() {
+    let mut soup = Soup::default();
+    for k in 0..8 {
+        soup.points.push([4, 2, 1].map(|bit| if k & bit == 0 { 0.0 } else { 20.0 }));
+    }
+    for side in SIDES {
+        soup.polygons.push(side);
+    }
+    let conversion = scan2step::convert(&soup, &Options::default(), &mut |_| Ok(()));
+    let body = conversion.expect("a solid").into_body().expect("one body");
+    assert!(body.exact().is_some());
+    for vertex in 0..8 {
+        assert!(body.point_of(vertex).is_some_and(|point| point < 8), "{vertex}");
+    }
 }

@@ -170,6 +170,8 @@ fn body(
 ) -> Result<std::result::Result<Body, String>> {
     let ExactComponent { shape, mesh, input, errors, regions, .. } = found;
     let mm = scan.mm();
+    // Vertices are found by their coordinates in the unit of the mesh.
+    let vertices = scan.vertices_of(&mesh.points);
     let mesh = mesh.scaled(mm);
     let errors: Vec<f64> = errors.into_iter().map(|e| mm * e).collect();
     let disk =
@@ -197,11 +199,9 @@ fn body(
     if shape != TargetShape::Solid {
         brep.solids.clear();
     }
-    if shape == TargetShape::Void {
-        brep = brep.reversed();
-    }
     let mut patches = report.patches;
     if shape == TargetShape::Void {
+        brep = brep.reversed();
         patches.iter_mut().for_each(|patch| patch.side = -patch.side);
     }
     let distances = Distances::of(&mesh, &patches);
@@ -237,7 +237,7 @@ fn body(
         brep,
         origin: [0.0; 3],
         hints: Vec::new(),
-        vertices: scan.vertices_of(&mesh.points),
+        vertices,
         shape,
         fit: BodyFit::Exact(Box::new(ExactFit {
             faces: distances.of_faces,
