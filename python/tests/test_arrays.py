@@ -76,7 +76,7 @@ def test_loops_close_in_the_parameter_plane_and_in_space(relief: str) -> None:
     for loop in face.loops:
         for curves in ([arc.pcurve for arc in loop.arcs], [arc.edge for arc in loop.arcs]):
             runs = zip(curves, (arc.forward for arc in loop.arcs))
-            ends = [c.control_points[:: 1 if forward else -1][[0, -1]] for c, forward in runs]
+            ends = [splined(c).control_points[:: 1 if forward else -1][[0, -1]] for c, forward in runs]
             for (_, end), (start, _) in zip(ends, ends[1:] + ends[:1]):
                 np.testing.assert_allclose(end, start, atol=1e-9)
 
@@ -84,9 +84,15 @@ def test_loops_close_in_the_parameter_plane_and_in_space(relief: str) -> None:
 def test_edges_lie_on_the_surface(relief: str) -> None:
     face = scan2step.convert(relief, tolerance=0.5).faces[0]
     for arc in (arc for loop in face.loops for arc in loop.arcs):
-        uv = arc.pcurve.control_points[[0, -1]]
-        np.testing.assert_allclose(face.points(uv), arc.edge.control_points[[0, -1]], atol=1e-9)
-        assert len(arc.edge.knots) == len(arc.edge.control_points) + arc.edge.degree + 1
+        pcurve, edge = splined(arc.pcurve), splined(arc.edge)
+        np.testing.assert_allclose(face.points(pcurve.control_points[[0, -1]]), edge.control_points[[0, -1]], atol=1e-9)
+        assert len(edge.knots) == len(edge.control_points) + edge.degree + 1
+
+
+def splined(curve: scan2step.Curve | scan2step.Ellipse) -> scan2step.Curve:
+    """The curve, which is a B-spline."""
+    assert isinstance(curve, scan2step.Curve)
+    return curve
 
 
 def test_nonsense_is_refused_in_words() -> None:
