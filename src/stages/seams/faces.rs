@@ -51,12 +51,6 @@ impl EdgeRun {
         all().sum::<f64>() / all().count() as f64
     }
 
-    fn area(&self) -> f64 {
-        let all: Vec<[f64; 2]> = self.uv.iter().flatten().copied().collect();
-        let next = |i: usize| all[(i + 1) % all.len()];
-        let of = |i: usize| all[i][0] * next(i)[1] - next(i)[0] * all[i][1];
-        0.5 * (0..all.len()).map(of).sum::<f64>()
-    }
 }
 
 /// A part of a loop: a run, or a stretch along the perimeter.
@@ -155,12 +149,26 @@ impl FaceBuilder<'_> {
         for ring in natural {
             runs.extend(self.runs(&mut seams, ring)?);
         }
+        if std::env::var("DBG").is_ok() && perimeter.is_cut() {
+            eprintln!("face {} v {}", format!("{:?}", chart.surface).split(' ').next().unwrap_or(""), plan.v);
+            for run in &runs {
+                let all: Vec<[f64; 2]> = run.uv.iter().flatten().copied().collect();
+                let lo = |k: usize| all.iter().map(|x| x[k]).fold(f64::MAX, f64::min);
+                let hi = |k: usize| all.iter().map(|x| x[k]).fold(f64::MIN, f64::max);
+                eprintln!("  run {:?} u {:.9}..{:.9} v {:.9}..{:.9} from {:.9?} to {:.9?} {}", run.uses.len(), lo(0), hi(0), lo(1), hi(1), run.start(), run.end(), run.ends.map_or(String::new(), |e| format!("{:.6?}", e)).replace("PerimeterPlace",""));
+            }
+        }
         let (open, closed): (Vec<EdgeRun>, Vec<EdgeRun>) =
             runs.into_iter().partition(|run| run.ends.is_some());
         let mut outer = traced(open, &perimeter)?;
         let (around, holes): (Vec<EdgeRun>, Vec<EdgeRun>) =
-            closed.into_iter().partition(|run| run.area() > 0.0);
+            closed.into_iter().partition(|run| area_of(run.uv.iter().flatten().copied()) > 0.0);
         outer.extend(around.into_iter().map(|run| vec![LoopPart::Run(run)]));
+        let mut holes: Vec<Vec<LoopPart>> =
+            holes.into_iter().map(|run| vec![LoopPart::Run(run)]).collect();
+        // A loop that only touches the perimeter may be a hole.
+        let touching = outer.extract_if(.., |ring| area(ring) <= 0.0);
+        holes.extend(touching);
         if outer.is_empty() {
             outer.push(perimeter.whole()?.into_iter().map(LoopPart::Seam).collect());
         }
@@ -169,28 +177,28 @@ impl FaceBuilder<'_> {
         }
         let mut made = Vec::new();
         for ring in outer {
-            let mut uses = Vec::new();
-            let mut outline = Vec::new();
-            for part in &ring {
-                match part {
-                    LoopPart::Run(run) => {
-                        uses.extend(self.uses(chart, run)?);
-                        outline.extend(run.uv.iter().flatten().copied());
-                    }
-                    LoopPart::Seam(stretch) => {
-                        uses.extend(self.stretch(&mut seams, stretch)?);
-                        outline.extend(stretch.ends());
-                    }
-                }
-            }
-            made.push(FaceLoops { loops: vec![uses], outline, cell: perimeter.cell[0] });
+            let uses = self.ring(&mut seams, &ring)?;
+            made.push(FaceLoops { loops: vec![uses], outline: outline(&ring), cell: perimeter.cell[0] });
         }
-        for run in holes {
-            let uses = self.uses(chart, &run)?;
-            let home = made.iter().position(|face| is_inside(&face.outline, run.start()));
+        for ring in holes {
+            let start = outline(&ring).first().copied().unwrap_or_default();
+            let home = made.iter().position(|face| is_inside(&face.outline, start));
+            let uses = self.ring(&mut seams, &ring)?;
             made[home.unwrap_or(0)].loops.push(uses);
         }
         Ok(made)
+    }
+
+    /// The uses of all parts of a loop.
+    fn ring(&mut self, seams: &mut Seams, ring: &[LoopPart]) -> Result<Vec<EdgeUse>, String> {
+        let mut uses = Vec::new();
+        for part in ring {
+            match part {
+                LoopPart::Run(run) => uses.extend(self.uses(seams.chart, run)?),
+                LoopPart::Seam(stretch) => uses.extend(self.stretch(seams, stretch)?),
+            }
+        }
+        Ok(uses)
     }
 
     /// The runs of a loop between its vertices on the perimeter, or the whole loop if it has none.
@@ -362,6 +370,25 @@ impl FaceBuilder<'_> {
         let frame = Frame::new(centre, frame.y().map(|e| -e), towards)?;
         BrepCurve::arc(&frame, radius, v[1] - v[0])
     }
+}
+
+/// The polygon of a loop.
+fn outline(ring: &[LoopPart]) -> Vec<[f64; 2]> {
+    let points = ring.iter().flat_map(|part| match part {
+        LoopPart::Run(run) => run.uv.concat(),
+        LoopPart::Seam(stretch) => stretch.ends().to_vec(),
+    });
+    points.collect()
+}
+
+fn area(ring: &[LoopPart]) -> f64 {
+    area_of(outline(ring).into_iter())
+}
+
+/// The area of a polygon, positive if it runs counter-clockwise.
+fn area_of(polygon: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
+    let next = polygon.clone().skip(1).chain(polygon.clone().take(1));
+    0.5 * polygon.zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>()
 }
 
 /// Whether a polygon goes around a point.

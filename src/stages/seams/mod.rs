@@ -202,7 +202,10 @@ impl<'a> Work<'a> {
                     let facets = patches.iter().filter(|p| p.is_facet).count();
                     return Ok((brep, Report { patches, facets, fallbacks, gap }));
                 }
-                Err(found) => faults = found,
+                Err(found) => {
+                    if std::env::var("DBG").is_ok() { eprintln!("FAULTS {:?}", found.iter().map(|f| (&f.patches, &f.why)).take(5).collect::<Vec<_>>()); }
+                    faults = found
+                }
             }
         }
     }
