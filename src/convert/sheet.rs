@@ -2,7 +2,7 @@
 
 use super::Options;
 use crate::deviation::Deviation;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::{Disk, Mesh, Outline};
 use crate::spline::{SplineSheet, foot_point};
 use crate::stages::adapt::Goal;
@@ -22,6 +22,9 @@ pub(super) fn sheet(mesh: &Mesh, triangles: &[u32], rounding: f64) -> Result<Spl
     let chord_error = piece.mean_chord_error();
     let tolerance = (SHARE * chord_error).max(SIGNIFICANT * rounding);
     let disk = Disk::of(piece)?;
+    if !disk.holes.is_empty() {
+        return Err(Error::NotADisk { genus: 0, loops: 1 + disk.holes.len() });
+    }
     let points = disk.mesh.points.clone();
     let (patch, _) = fill::fill_with(
         disk,

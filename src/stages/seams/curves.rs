@@ -30,6 +30,9 @@ const FEWEST_POINTS: usize = 24;
 /// Fewer points are no evidence of an arc: an ellipse through five is always there.
 const FEWEST_OF_ARC: usize = 7;
 
+/// The parts of a curve between the points where it is compared with its surfaces.
+const SAMPLES: usize = 32;
+
 /// The points that a conic is fitted to. All points are compared with it.
 const FITTED: usize = 48;
 
@@ -145,9 +148,14 @@ impl Pair<'_> {
     }
 
     fn worst(&self, curve: &BrepCurve) -> f64 {
-        let (start, end) = curve.range();
-        let at = |i: usize| curve.point(start + (end - start) * i as f64 / 32.0);
-        (0..=32).map(|i| self.off(Point::from(at(i)))).fold(0.0, f64::max)
+        samples(curve).map(|p| self.off(p)).fold(0.0, f64::max)
+    }
+
+    /// The largest distance of a curve from those of its surfaces that are planes.
+    pub fn off_planes(&self, curve: &BrepCurve) -> f64 {
+        let planes = [self.a, self.b].into_iter().filter(|of| of.is_plane());
+        let off = |of: &FaceSurface| samples(curve).map(|p| of.distance(p).0.abs()).fold(0.0, f64::max);
+        planes.map(off).fold(0.0, f64::max)
     }
 
     fn spline(&self, points: Vec<Point>, is_closed: bool) -> Result<(BrepCurve, f64), String> {
@@ -186,6 +194,13 @@ impl Pair<'_> {
             kept = finer;
         }
     }
+}
+
+/// Points along a curve.
+fn samples(curve: &BrepCurve) -> impl Iterator<Item = Point> + '_ {
+    let (start, end) = curve.range();
+    (0..=SAMPLES)
+        .map(move |i| Point::from(curve.point(start + (end - start) * i as f64 / SAMPLES as f64)))
 }
 
 /// The line or the arc through points, if there is one.

@@ -23,6 +23,9 @@ const CLEAR: f64 = 0.02;
 /// A sphere's pole is outside of a face if the cosine to all points is below this: 10°.
 const POLE: f64 = 0.985;
 
+/// A cut so close beside a vertex leaves a short edge, of whose curve little is known.
+const SHORT: f64 = 0.1;
+
 /// A vertex lies on a cut if its angle is so close.
 const ON_CUT: f64 = 1e-9;
 
@@ -66,7 +69,8 @@ impl Work<'_> {
         self.cut(network, i, &chart, (0, 0.0));
         let mut v = 0.0;
         if exact.kind() == PrimitiveKind::Torus {
-            v = self.place_of_cut(network, i, &chart, 1);
+            // Readers move parameters that are far from the first period.
+            v = around(self.place_of_cut(network, i, &chart, 1) + PI) - PI;
             self.cut(network, i, &chart, (1, v));
         }
         Ok(FacePlan { chart, v })
@@ -105,13 +109,15 @@ impl Work<'_> {
         let tried = || vertices.iter().copied().step_by(stride);
         let between = tried().zip(tried().skip(1)).map(|(a, b)| 0.5 * (a + b));
         let quarters = [0.0, FRAC_PI_2, PI, -FRAC_PI_2];
-        let cost = |&angle: &f64| -> (usize, usize) {
+        let cost = |&angle: &f64| -> [usize; 3] {
             let crossed = |at: f64| rings.iter().map(|ring| crossings(ring, at)).sum::<usize>();
             let [low, here, high] = [-CLEAR, 0.0, CLEAR].map(|by| crossed(angle + by));
-            let at_vertices = vertices.iter().filter(|v| around(*v - angle).abs() < ON_CUT).count();
+            let within = |most: f64| vertices.iter().filter(|v| around(*v - angle).abs() < most).count();
+            let at_vertices = within(ON_CUT);
             let along = rings.iter().filter(|ring| runs_along(ring, angle)).count();
             let unclear = low.abs_diff(here) + high.abs_diff(here) + along;
-            (here + AVOIDED * unclear, vertices.len() - at_vertices)
+            let beside_vertices = within(SHORT) - at_vertices;
+            [here + AVOIDED * unclear, beside_vertices, vertices.len() - at_vertices]
         };
         let all = tried().chain(quarters).chain(between);
         all.min_by_key(cost).unwrap_or(0.0)

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use formats::brep::{Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId};
 
-use super::Work;
+use super::{EXACT, Work};
 use super::chart::{Chart, array};
 use super::domain::FacePlan;
 use super::fallback::SeamFault;
@@ -271,7 +271,10 @@ impl FaceBuilder<'_> {
             let (first, last) = (uv[0], uv[uv.len() - 1]);
             let ends = if forward { [first, last] } else { [last, first] };
             let (pcurve, gap) = pcurve(chart, &self.brep.edges[chain].curve, ends)?;
-            if gap.is_nan() || gap > self.work.limit.max(chart.open()) {
+            let is_plane = matches!(chart.surface, BrepSurface::Plane { .. });
+            let loose = self.work.limit_at(self.network.chains[chain].error);
+            let limit = if is_plane { EXACT } else { loose.max(chart.open()) };
+            if gap.is_nan() || gap > limit {
                 return Err(format!("an edge is {gap:.1e} mm off its face"));
             }
             self.gap = self.gap.max(gap);

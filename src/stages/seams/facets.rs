@@ -2,7 +2,7 @@
 
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
-use super::{FacePatch, Work};
+use super::{EXACT, FacePatch, Work};
 use crate::geometry::{Point, Vector};
 use crate::primitives::Primitive;
 
@@ -86,7 +86,7 @@ impl Work<'_> {
             }
             let corners = patch.triangles.iter().flat_map(|&t| self.mesh.triangles[t as usize]);
             let off = |v: crate::geometry::VertexId| patch.surface.distance(places[v.index()]).0;
-            if corners.map(off).any(|d| d.abs() > self.limit) {
+            if corners.map(off).any(|d| d.abs() > EXACT) {
                 bent.push(SeamFault::new(&[i], "a facet that is not flat"));
             }
         }

@@ -24,6 +24,12 @@ const INTEGRALS: f64 = 1e-6;
 const INSIDE: f64 = 1e-3;
 
 impl Work<'_> {
+    /// How far edges and vertices may be from their faces where the mesh has an error: no farther than the model that was
+    /// exported has them.
+    pub(super) fn limit_at(&self, error: f64) -> f64 {
+        self.limit.max(ON_FACE * error)
+    }
+
     /// Whether a vertex of the mesh is on a surface.
     pub(super) fn is_on(&self, surface: &FaceSurface, v: VertexId) -> bool {
         let most = self.loose.max(ON_FACE * self.errors[v.index()]);

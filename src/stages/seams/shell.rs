@@ -10,7 +10,7 @@ use super::faces::FaceBuilder;
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
 use super::domain::FacePlan;
-use super::{FacePatch, Work, contact};
+use super::{EXACT, FacePatch, Work, contact};
 use crate::geometry::{Point, Vector};
 
 /// The uncertainty in mm: the precision of modelling kernels.
@@ -193,10 +193,12 @@ impl Work<'_> {
             off = off.max((place - network.vertices[end]).norm());
         }
         // A distance that is not a number fails, too.
-        if off < self.limit.max(pair.open()) {
+        let off_planes = pair.off_planes(&curve);
+        let limit = self.limit_at(network.chains[number].error);
+        if off_planes < EXACT && off < limit.max(pair.open()) {
             Ok((curve, off))
         } else {
-            Err(format!("an edge is {off:.1e} mm off its faces"))
+            Err(format!("an edge is {:.1e} mm off its faces", off.max(off_planes)))
         }
     }
 

@@ -6,7 +6,7 @@ use super::contact::{contact, touch};
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
 use super::shell::none;
-use super::{FacePatch, Work};
+use super::{EXACT, FacePatch, Work};
 use crate::geometry::{Point, Vector};
 use super::FaceSurface;
 
@@ -14,6 +14,10 @@ const STEPS: usize = 15;
 
 /// The step of the numerical derivative in mm, about the cube root of the rounding of coordinates.
 const STEP: f64 = 1e-6;
+
+/// Planes hold a vertex so many times as firmly as other surfaces: readers take edges that are not on their planes for
+/// faults, whatever uncertainty a file states. So a residual that is just within the limit is exact on planes.
+const FIRM: f64 = 1e3;
 
 /// Directions in which the surfaces hold a vertex less than this do not move it.
 const HELD: f64 = 1e-5;
@@ -53,15 +57,17 @@ impl Work<'_> {
             let patches: Vec<&FacePatch> = all.iter().map(|&i| &self.patches[i]).collect();
             let start = network.vertices[n];
             let error = self.errors[v as usize];
-            let (mut at, mut left) = placed(&patches, start, error);
-            if left >= self.limit {
+            let limit = self.limit_at(error);
+            let (mut at, mut left) = placed(&patches, start, error, limit);
+            let exact = |left: f64| left < limit;
+            if !exact(left) {
                 // Other surfaces say more exactly where it is than B-splines do.
-                let exact: Vec<&FacePatch> =
-                    patches.into_iter().filter(|patch| patch.surface.exact().is_some()).collect();
-                (at, left) = placed(&exact, start, error);
+                let others = patches.into_iter().filter(|patch| patch.surface.exact().is_some());
+                let others: Vec<&FacePatch> = others.collect();
+                (at, left) = placed(&others, start, error, limit);
             }
             let moved = (at - start).norm();
-            if left < self.limit && moved < MOVES * shortest[v as usize] {
+            if exact(left) && moved < MOVES * shortest[v as usize] {
                 network.vertices[n] = at;
             } else {
                 let why = format!("a vertex is {left:.1e} mm off its surfaces, moved {moved:.1e}");
@@ -73,7 +79,7 @@ impl Work<'_> {
 }
 
 /// The point, and the largest residual there. B-splines that touch other surfaces do not hold it.
-fn placed(patches: &[&FacePatch], start: Point, error: f64) -> (Point, f64) {
+fn placed(patches: &[&FacePatch], start: Point, error: f64, limit: f64) -> (Point, f64) {
     let mut pairs = Vec::new();
     let mut is_loose = vec![false; patches.len()];
     for (i, a) in patches.iter().enumerate() {
@@ -93,7 +99,8 @@ fn placed(patches: &[&FacePatch], start: Point, error: f64) -> (Point, f64) {
     let holding = patches.iter().zip(is_loose).filter(|(_, is_loose)| !is_loose);
     let surfaces: Vec<&FaceSurface> = holding.map(|(patch, _)| &patch.surface).collect();
     let residual = |p: Point| {
-        let mut rows: Vec<f64> = surfaces.iter().map(|s| s.distance(p).0).collect();
+        let weight = |s: &FaceSurface| if s.is_plane() { FIRM } else { 1.0 };
+        let mut rows: Vec<f64> = surfaces.iter().map(|s| weight(s) * s.distance(p).0).collect();
         for (a, b) in &pairs {
             let off = p - contact(a, b, p);
             rows.extend([off.x, off.y, off.z]);
@@ -119,6 +126,9 @@ fn placed(patches: &[&FacePatch], start: Point, error: f64) -> (Point, f64) {
             break;
         }
     }
-    let left = residual(at).amax();
-    (at, left)
+    let off = |s: &&FaceSurface| s.distance(at).0.abs();
+    let planes = surfaces.iter().filter(|s| s.is_plane());
+    // What planes are off counts as much as it may be on others.
+    let off_planes = planes.map(off).fold(0.0, f64::max) * (limit / EXACT);
+    (at, surfaces.iter().map(off).fold(off_planes, f64::max))
 }
