@@ -23,7 +23,6 @@ mod places;
 mod refined;
 mod scan;
 mod shape;
-mod sheet;
 mod stage;
 
 pub use cloud::{cloud_components, mesh_components};

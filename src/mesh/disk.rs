@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::boundary::{self, Loop};
 use super::topology::Topology;
 use super::{EdgeMap, Mesh};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId, in_lengths};
 
 /// The rule that selects the outer boundary loop.
@@ -55,21 +55,6 @@ impl Disk {
     /// The disk with all lengths multiplied by a factor.
     pub fn scaled(self, factor: f64) -> Self {
         Disk { mesh: self.mesh.scaled(factor), ..self }
-    }
-
-    /// Makes a disk of a connected, oriented mesh.
-    ///
-    /// # Errors
-    /// It is none, or its boundary touches itself.
-    pub(crate) fn of(mesh: Mesh) -> Result<Self> {
-        let edges = EdgeMap::new(&mesh);
-        let disk = Disk::new(mesh, &edges, Outer::Auto)?;
-        let mut rims: Vec<VertexId> = disk.loops().flatten().copied().collect();
-        rims.sort_unstable();
-        match rims.windows(2).any(|pair| pair[0] == pair[1]) {
-            true => Err(Error::NotADisk { genus: 0, loops: 1 + disk.holes.len() }),
-            false => Ok(disk),
-        }
     }
 
     /// Makes a disk of a connected, oriented mesh. The Euler characteristic decides whether it is

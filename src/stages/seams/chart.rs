@@ -2,23 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use std::sync::Arc;
-
 use formats::brep::{BrepSurface, Frame};
-use formats::spline::{SplineKnots, SplineSurface};
 
 use crate::geometry::{Point, Vector};
-use super::FaceSurface;
 use crate::primitives::Primitive;
-use crate::spline::{KnotVector, SplineSheet, Surface};
 
 /// A surface in a frame.
 #[derive(Debug, Clone)]
 pub(super) struct Chart {
     pub frame: Frame,
     pub surface: BrepSurface,
-    /// The B-spline, if the surface is one.
-    pub sheet: Option<Arc<SplineSheet>>,
 }
 
 pub(super) fn array(p: Point) -> [f64; 3] {
@@ -36,26 +29,13 @@ pub(super) fn around(angle: f64) -> f64 {
 
 impl Chart {
     /// The surface with its usual frame. A sphere has the given axis.
-    pub fn new(surface: &FaceSurface, axis: Vector) -> Result<Self, String> {
-        let exact = match surface {
-            FaceSurface::Exact(exact) => exact,
-            FaceSurface::Spline(sheet) => {
-                let frame = Frame::along([0.0; 3], vector(axis))?;
-                let surface = BrepSurface::Spline(spline_surface(sheet.surface())?);
-                return Ok(Chart { frame, surface, sheet: Some(sheet.clone()) });
-            }
-        };
-        let z = match *exact {
+    pub fn new(surface: &Primitive, axis: Vector) -> Result<Self, String> {
+        let z = match *surface {
             Primitive::Plane { normal, .. } => normal,
-            _ => exact.axis().unwrap_or(axis),
+            _ => surface.axis().unwrap_or(axis),
         };
-        let frame = Frame::along(array(exact.origin()), vector(z))?;
-        Ok(Chart::in_frame(exact, frame))
-    }
-
-    /// How far edges may be from the surface in mm, if it is not exact.
-    pub fn open(&self) -> f64 {
-        self.sheet.as_ref().map_or(0.0, |sheet| sheet.chord_error())
+        let frame = Frame::along(array(surface.origin()), vector(z))?;
+        Ok(Chart::in_frame(surface, frame))
     }
 
     fn in_frame(surface: &Primitive, frame: Frame) -> Self {
@@ -64,14 +44,14 @@ impl Chart {
             Primitive::Cylinder { radius, .. } => BrepSurface::cylinder(frame, radius),
             // Any place of the axis inside of the cone serves as its origin.
             Primitive::Cone { radius, angle, .. } if radius < 0.0 => {
-                let up = frame.point([0.0, 0.0, -2.0 * radius / angle.tan()]);
-                return Chart { frame: frame.at(up), surface: BrepSurface::cone(frame.at(up), -radius, angle), sheet: None };
+                let frame = frame.at(frame.point([0.0, 0.0, -2.0 * radius / angle.tan()]));
+                return Chart { frame, surface: BrepSurface::cone(frame, -radius, angle) };
             }
             Primitive::Cone { radius, angle, .. } => BrepSurface::cone(frame, radius, angle),
             Primitive::Sphere { radius, .. } => BrepSurface::sphere(frame, radius),
             Primitive::Torus { major, minor, .. } => BrepSurface::torus(frame, major, minor),
         };
-        Chart { frame, surface: made, sheet: None }
+        Chart { frame, surface: made }
     }
 
     /// The same surface with u = 0 where it was `u`.
@@ -81,10 +61,6 @@ impl Chart {
 
     /// The parameters of the closest point, and whether u is undefined there. Angles are in [-π, π].
     pub fn parameters(&self, p: Point) -> ([f64; 2], bool) {
-        if let Some(sheet) = &self.sheet {
-            let at = sheet.nearest(p);
-            return ([at.x, at.y], false);
-        }
         let [x, y, h] = self.frame.coordinates(array(p));
         let rho = x.hypot(y);
         let u = y.atan2(x);
@@ -139,12 +115,6 @@ impl Chart {
         }
         out
     }
-}
-
-fn spline_surface(surface: &Surface) -> Result<SplineSurface, String> {
-    let net = surface.net.iter().map(|&p| vector(p)).collect();
-    let knots = |of: &KnotVector| SplineKnots::new(of.degree(), of.knots().to_vec(), of.functions());
-    SplineSurface::new(knots(&surface.u)?, knots(&surface.v)?, net, None)
 }
 
 /// A point so close to the axis in mm has no angle about it: the modelling kernel's own precision.

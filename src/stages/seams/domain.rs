@@ -41,34 +41,28 @@ const MOST_TRIED: usize = 64;
 impl Work<'_> {
     /// Chooses the frame of a face and the cuts of its domain. Its chains get vertices where they cross the cuts.
     pub(super) fn plan(&self, network: &mut ChainNetwork, i: usize) -> Result<FacePlan, SeamFault> {
-        let surface = self.patches[i].surface.clone();
+        let surface = self.patches[i].surface;
         let fault = |why: &str| SeamFault::new(&[i], why);
         let axis = match surface.kind() {
-            Some(PrimitiveKind::Sphere) => self.sphere_axis(network, i),
+            PrimitiveKind::Sphere => self.sphere_axis(network, i),
             _ => Vector::z(),
         };
         let mut chart = Chart::new(&surface, axis).map_err(|why| fault(&why))?;
-        let Some(exact) = surface.exact() else {
-            return match network.loops[i].is_empty() {
-                true => Err(fault("a B-spline without a border")),
-                false => Ok(FacePlan { chart, v: 0.0 }),
-            };
-        };
-        if exact.kind() == PrimitiveKind::Plane {
+        if surface.kind() == PrimitiveKind::Plane {
             return Ok(FacePlan { chart, v: 0.0 });
         }
-        let is_whole = matches!(exact.kind(), PrimitiveKind::Sphere | PrimitiveKind::Torus);
+        let is_whole = matches!(surface.kind(), PrimitiveKind::Sphere | PrimitiveKind::Torus);
         if network.loops[i].is_empty() && !is_whole {
             return Err(fault("a face without a border"));
         }
-        if exact.kind() == PrimitiveKind::Sphere && self.is_above(network, i, &chart) {
+        if surface.kind() == PrimitiveKind::Sphere && self.is_above(network, i, &chart) {
             // Readers want the loop above the pole that is inside.
             chart = Chart::new(&surface, -axis).map_err(|why| fault(&why))?;
         }
-        chart = chart.turned(&exact, self.place_of_cut(network, i, &chart, 0));
+        chart = chart.turned(&surface, self.place_of_cut(network, i, &chart, 0));
         self.cut(network, i, &chart, (0, 0.0));
         let mut v = 0.0;
-        if exact.kind() == PrimitiveKind::Torus {
+        if surface.kind() == PrimitiveKind::Torus {
             // Readers move parameters that are far from the first period.
             v = around(self.place_of_cut(network, i, &chart, 1) + PI) - PI;
             self.cut(network, i, &chart, (1, v));
@@ -112,7 +106,8 @@ impl Work<'_> {
         let cost = |&angle: &f64| -> [usize; 3] {
             let crossed = |at: f64| rings.iter().map(|ring| crossings(ring, at)).sum::<usize>();
             let [low, here, high] = [-CLEAR, 0.0, CLEAR].map(|by| crossed(angle + by));
-            let within = |most: f64| vertices.iter().filter(|v| around(*v - angle).abs() < most).count();
+            let within =
+                |most: f64| vertices.iter().filter(|v| around(*v - angle).abs() < most).count();
             let at_vertices = within(ON_CUT);
             let along = rings.iter().filter(|ring| runs_along(ring, angle)).count();
             let unclear = low.abs_diff(here) + high.abs_diff(here) + along;
@@ -147,7 +142,9 @@ impl Work<'_> {
     fn cut(&self, network: &mut ChainNetwork, i: usize, chart: &Chart, (k, at): (usize, f64)) {
         let mut left: Vec<usize> = network.loops[i].iter().flatten().map(|of| of.0).collect();
         while let Some(chain) = left.pop() {
-            let Some((after, p)) = self.crossing_of(network, chain, chart, (k, at)) else { continue };
+            let Some((after, p)) = self.crossing_of(network, chain, chart, (k, at)) else {
+                continue;
+            };
             let count = network.chains.len();
             network.cut(chain, after, p);
             left.push(chain);
@@ -188,7 +185,8 @@ impl Work<'_> {
             // Bisection to the last digit.
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
-                let is_before = offs[from] * around(chart.parameters(place(middle)).0[k] - at) > 0.0;
+                let is_before =
+                    offs[from] * around(chart.parameters(place(middle)).0[k] - at) > 0.0;
                 if is_before { low = middle } else { high = middle }
             }
             return Some((from, place(high)));
@@ -198,9 +196,7 @@ impl Work<'_> {
 
     /// An axis of a sphere that keeps the poles out of the face if there is one, else one through a loop.
     fn sphere_axis(&self, network: &ChainNetwork, i: usize) -> Vector {
-        let Some(Primitive::Sphere { centre, .. }) = self.patches[i].surface.exact() else {
-            return Vector::z();
-        };
+        let Primitive::Sphere { centre, .. } = self.patches[i].surface else { return Vector::z() };
         let rings: Vec<Vec<Point>> =
             network.loops[i].iter().map(|ring| network.ring_points(ring)).collect();
         let through: Vec<Vector> = rings.iter().filter_map(|ring| loop_normal(ring)).collect();
@@ -261,7 +257,6 @@ fn loop_normal(ring: &[Point]) -> Option<Vector> {
     let areas = ring.windows(2).map(|w| (w[0] - first).cross(&(w[1] - first)));
     areas.sum::<Vector>().try_normalize(f64::MIN_POSITIVE)
 }
-
 
 /// The middle of the widest range of an angle that no arc covers, if it is wide enough.
 fn widest_gap(arcs: Vec<[f64; 2]>) -> Option<f64> {

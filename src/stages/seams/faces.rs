@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use formats::brep::{Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId};
 
-use super::{EXACT, Work};
 use super::chart::{Chart, array};
 use super::domain::FacePlan;
 use super::fallback::SeamFault;
 use super::network::{ChainNetwork, ChainUse};
 use super::pcurves::pcurve;
 use super::perimeter::{Perimeter, PerimeterPlace, Stretch};
+use super::{EXACT, Work};
 use crate::geometry::{Point, Vector};
 
 /// The samples of an edge that follow its parameters around the surface.
@@ -50,7 +50,6 @@ impl EdgeRun {
         let all = || self.uv.iter().flatten().map(|uv| uv[k]);
         all().sum::<f64>() / all().count() as f64
     }
-
 }
 
 /// A part of a loop: a run, or a stretch along the perimeter.
@@ -130,7 +129,9 @@ impl FaceBuilder<'_> {
             let is_in = |face: &FaceLoops| {
                 let mut uv = chart.parameters(Point::from(middle)).0;
                 let periods = chart.surface.periods();
-                (0..2).for_each(|k| uv[k] -= periods[k].map_or(0.0, |p| p * ((uv[k] - face.cell[k]) / p).floor()));
+                (0..2).for_each(|k| {
+                    uv[k] -= periods[k].map_or(0.0, |p| p * ((uv[k] - face.cell[k]) / p).floor())
+                });
                 is_inside(&face.outline, uv)
             };
             let home = if faces.len() > 1 { faces.iter().position(is_in) } else { None };
@@ -140,7 +141,11 @@ impl FaceBuilder<'_> {
     }
 
     /// The faces of a patch, in the natural orientation of its surface.
-    fn loops(&mut self, plan: &FacePlan, natural: &[Vec<ChainUse>]) -> Result<Vec<FaceLoops>, String> {
+    fn loops(
+        &mut self,
+        plan: &FacePlan,
+        natural: &[Vec<ChainUse>],
+    ) -> Result<Vec<FaceLoops>, String> {
         let chart = &plan.chart;
         let perimeter = Perimeter::of(&chart.surface, plan.v);
         let mut seams =
@@ -148,15 +153,6 @@ impl FaceBuilder<'_> {
         let mut runs = Vec::new();
         for ring in natural {
             runs.extend(self.runs(&mut seams, ring)?);
-        }
-        if std::env::var("DBG").is_ok() && perimeter.is_cut() {
-            eprintln!("face {} v {}", format!("{:?}", chart.surface).split(' ').next().unwrap_or(""), plan.v);
-            for run in &runs {
-                let all: Vec<[f64; 2]> = run.uv.iter().flatten().copied().collect();
-                let lo = |k: usize| all.iter().map(|x| x[k]).fold(f64::MAX, f64::min);
-                let hi = |k: usize| all.iter().map(|x| x[k]).fold(f64::MIN, f64::max);
-                eprintln!("  run {:?} u {:.9}..{:.9} v {:.9}..{:.9} from {:.9?} to {:.9?} {}", run.uses.len(), lo(0), hi(0), lo(1), hi(1), run.start(), run.end(), run.ends.map_or(String::new(), |e| format!("{:.6?}", e)).replace("PerimeterPlace",""));
-            }
         }
         let (open, closed): (Vec<EdgeRun>, Vec<EdgeRun>) =
             runs.into_iter().partition(|run| run.ends.is_some());
@@ -178,7 +174,11 @@ impl FaceBuilder<'_> {
         let mut made = Vec::new();
         for ring in outer {
             let uses = self.ring(&mut seams, &ring)?;
-            made.push(FaceLoops { loops: vec![uses], outline: outline(&ring), cell: perimeter.cell[0] });
+            made.push(FaceLoops {
+                loops: vec![uses],
+                outline: outline(&ring),
+                cell: perimeter.cell[0],
+            });
         }
         for ring in holes {
             let start = outline(&ring).first().copied().unwrap_or_default();
@@ -206,14 +206,18 @@ impl FaceBuilder<'_> {
         let chart = seams.chart;
         let on = |of: &ChainUse| {
             let vertex = self.start_of(*of);
-            seams.perimeter.lines_at(chart, self.place(vertex), self.work.limit).map(|lines| (vertex, lines))
+            seams
+                .perimeter
+                .lines_at(chart, self.place(vertex), self.work.limit)
+                .map(|lines| (vertex, lines))
         };
         let at: Vec<Option<(VertexId, [bool; 3])>> = ring.iter().map(on).collect();
         let Some(first) = at.iter().position(Option::is_some) else {
             let mut run = self.run(chart, ring);
             let [low, _] = seams.perimeter.cell;
             let periods = chart.surface.periods();
-            let by = |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
+            let by =
+                |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
             run.shift([by(0), by(1)]);
             return Ok(vec![run]);
         };
@@ -226,7 +230,8 @@ impl FaceBuilder<'_> {
             let mut run = self.run(chart, &uses);
             let [low, _] = seams.perimeter.cell;
             let periods = chart.surface.periods();
-            let by = |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
+            let by =
+                |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
             run.shift([by(0), by(1)]);
             let ends = [(from, run.start()), (next, run.end())].map(|(k, uv)| {
                 let (vertex, lines) = at[k % n]?;
@@ -239,7 +244,9 @@ impl FaceBuilder<'_> {
                 }
                 Some((seams.perimeter.place(lines, uv), uv))
             });
-            let [Some(start), Some(end)] = ends else { return Err("a loop that breaks off".into()) };
+            let [Some(start), Some(end)] = ends else {
+                return Err("a loop that breaks off".into());
+            };
             run.set_ends(start.1, end.1);
             run.ends = Some([start.0, end.0]);
             runs.push(run);
@@ -273,7 +280,7 @@ impl FaceBuilder<'_> {
             let (pcurve, gap) = pcurve(chart, &self.brep.edges[chain].curve, ends)?;
             let is_plane = matches!(chart.surface, BrepSurface::Plane { .. });
             let loose = self.work.limit_at(self.network.chains[chain].error);
-            let limit = if is_plane { EXACT } else { loose.max(chart.open()) };
+            let limit = if is_plane { EXACT } else { loose };
             if gap.is_nan() || gap > limit {
                 return Err(format!("an edge is {gap:.1e} mm off its face"));
             }
@@ -311,8 +318,12 @@ impl FaceBuilder<'_> {
         let mut all = seams.vertices[line].clone();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.dedup_by(|a, b| seams.perimeter.is_same(a.0, b.0, line));
-        all.retain(|of| of.0 > stretch.range[0] || seams.perimeter.is_same(of.0, stretch.range[0], line));
-        all.retain(|of| of.0 < stretch.range[1] || seams.perimeter.is_same(of.0, stretch.range[1], line));
+        all.retain(|of| {
+            of.0 > stretch.range[0] || seams.perimeter.is_same(of.0, stretch.range[0], line)
+        });
+        all.retain(|of| {
+            of.0 < stretch.range[1] || seams.perimeter.is_same(of.0, stretch.range[1], line)
+        });
         all
     }
 
@@ -442,9 +453,7 @@ fn traced(mut left: Vec<EdgeRun>, perimeter: &Perimeter) -> Result<Vec<Vec<LoopP
 /// Readers take seams for what they are if the loop begins behind the one at the high end of u, or with that at the high
 /// end of v.
 fn in_order(mut ring: Vec<LoopPart>) -> Vec<LoopPart> {
-    let is = |part: &LoopPart, line: usize, forward: bool| {
-        matches!(part, LoopPart::Seam(of) if of.line == line && of.forward == forward)
-    };
+    let is = |part: &LoopPart, line: usize, forward: bool| matches!(part, LoopPart::Seam(of) if of.line == line && of.forward == forward);
     if let Some(high) = ring.iter().position(|part| is(part, 0, true)) {
         let n = ring.len();
         ring.rotate_left((high + 1) % n);

@@ -60,7 +60,7 @@ impl Work<'_> {
             if self.patches[i].is_facet
                 && let Some(plane) = self.plane(&self.patches[i], &self.mesh.points)
             {
-                self.patches[i].surface = plane.into();
+                self.patches[i].surface = plane;
                 self.patches[i].side = 1.0;
             }
         }
@@ -80,7 +80,7 @@ impl Work<'_> {
             }
             if patch.triangles.len() == 1 {
                 if let Some(plane) = self.plane(patch, &places) {
-                    self.patches[i].surface = plane.into();
+                    self.patches[i].surface = plane;
                 }
                 continue;
             }

@@ -7,8 +7,7 @@
 //!
 //! Where that fails, the triangles next to the place become flat faces, and the whole patch if it fails again.
 //! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is what modelling kernels take
-//! for exact, or the rounding of the file, or beside a B-spline what this leaves open. The model states it as its
-//! uncertainty.
+//! for exact, or the rounding of the file if that is larger. The model states it as its uncertainty.
 
 mod agreement;
 mod chart;
@@ -27,12 +26,9 @@ mod perimeter;
 mod rings;
 mod shell;
 mod shells;
-mod surface;
 mod vertices;
 
-
 use formats::Brep;
-pub use surface::FaceSurface;
 
 use crate::geometry::{Point, Vector};
 use crate::mesh::{EdgeMap, Mesh};
@@ -41,8 +37,8 @@ use crate::primitives::{Primitive, PrimitiveKind};
 /// Triangles that lie on one surface.
 #[derive(Debug, Clone)]
 pub struct FacePatch {
-    /// The surface.
-    pub surface: FaceSurface,
+    /// The surface, in mm.
+    pub surface: Primitive,
     /// +1 if the outside of the solid is where the distance to the surface is positive, -1 otherwise.
     pub side: f64,
     /// Whether the surface is only the plane of a facet. Its vertices are then corners of the face.
@@ -61,8 +57,8 @@ pub struct Options {
 /// A face of which some or all triangles became facets.
 #[derive(Debug, Clone)]
 pub struct Fallback {
-    /// The name of the kind of its surface.
-    pub kind: &'static str,
+    /// The kind of its surface.
+    pub kind: PrimitiveKind,
     /// The number of these triangles.
     pub triangles: usize,
     /// A point of them in mm.
@@ -85,8 +81,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// For each face of the solid the kind of its surface. B-splines have none.
-    pub fn kinds(&self) -> Vec<Option<PrimitiveKind>> {
+    /// For each face of the solid the kind of its surface.
+    pub fn kinds(&self) -> Vec<PrimitiveKind> {
         self.patches.iter().map(|patch| patch.surface.kind()).collect()
     }
 }
@@ -202,10 +198,7 @@ impl<'a> Work<'a> {
                     let facets = patches.iter().filter(|p| p.is_facet).count();
                     return Ok((brep, Report { patches, facets, fallbacks, gap }));
                 }
-                Err(found) => {
-                    if std::env::var("DBG").is_ok() { eprintln!("FAULTS {:?}", found.iter().map(|f| (&f.patches, &f.why)).take(5).collect::<Vec<_>>()); }
-                    faults = found
-                }
+                Err(found) => faults = found,
             }
         }
     }
@@ -224,7 +217,7 @@ impl FacePatch {
         let normal: Vector = triangles.iter().map(|t| mesh.area_vector(of(t))).sum();
         let normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector::z);
         let origin = triangles.first().map_or_else(Point::origin, |t| mesh.point(of(t)[0]));
-        let surface = Primitive::Plane { origin, normal }.into();
+        let surface = Primitive::Plane { origin, normal };
         FacePatch { surface, side: 1.0, is_facet: true, triangles }
     }
 }

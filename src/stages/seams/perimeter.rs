@@ -66,7 +66,9 @@ impl Perimeter {
         let v = match *surface {
             BrepSurface::Torus { .. } => [low, low + TAU],
             BrepSurface::Sphere { .. } => [-FRAC_PI_2, FRAC_PI_2],
-            BrepSurface::Cone { radius, half_angle, .. } => [-radius / half_angle.tan(), f64::INFINITY],
+            BrepSurface::Cone { radius, half_angle, .. } => {
+                [-radius / half_angle.tan(), f64::INFINITY]
+            }
             _ => infinite,
         };
         Perimeter {
@@ -138,7 +140,8 @@ impl Perimeter {
     /// Which of two places comes first counter-clockwise from another one. A place that is the same comes first.
     pub fn order(&self, from: PerimeterPlace, a: PerimeterPlace, b: PerimeterPlace) -> Ordering {
         let rank = |p: PerimeterPlace| {
-            let is_behind = p.side == from.side && p.along < from.along - SAME * from.along.abs().max(1.0);
+            let is_behind =
+                p.side == from.side && p.along < from.along - SAME * from.along.abs().max(1.0);
             ((p.side + 4 - from.side) % 4 + if is_behind { 4 } else { 0 }, p.along)
         };
         let (x, y) = (rank(a), rank(b));
@@ -146,11 +149,16 @@ impl Perimeter {
     }
 
     /// The stretches of the perimeter from one place to another. Sides that are points have none.
-    pub fn between(&self, from: PerimeterPlace, to: PerimeterPlace) -> Result<Vec<Stretch>, String> {
+    pub fn between(
+        &self,
+        from: PerimeterPlace,
+        to: PerimeterPlace,
+    ) -> Result<Vec<Stretch>, String> {
         let mut all = Vec::new();
         let mut at = from;
         loop {
-            let is_last = at.side == to.side && to.along >= at.along - SAME * at.along.abs().max(1.0);
+            let is_last =
+                at.side == to.side && to.along >= at.along - SAME * at.along.abs().max(1.0);
             let end = if is_last { to.along } else { self.ends(at.side)[1] };
             all.extend(self.stretch(at.side, at.along, end)?);
             if is_last {
@@ -190,7 +198,10 @@ impl Perimeter {
         if is_point || (to - from).abs() < SAME {
             return Ok(None);
         }
-        if !(from.is_finite() && to.is_finite()) || (side % 2 == 1 && !self.is_torus) || !self.is_round {
+        if !(from.is_finite() && to.is_finite())
+            || (side % 2 == 1 && !self.is_torus)
+            || !self.is_round
+        {
             return Err("0 outer loops".into());
         }
         let (line, at) = match side {

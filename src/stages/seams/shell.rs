@@ -6,12 +6,13 @@ use formats::brep::{BrepCurve, BrepElement, FaceId, ModelFault, Shell, VertexId}
 use super::chart::array;
 use super::crossings::crossings;
 use super::curves::Pair;
+use super::domain::FacePlan;
 use super::faces::FaceBuilder;
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
-use super::domain::FacePlan;
 use super::{EXACT, FacePatch, Work, contact};
 use crate::geometry::{Point, Vector};
+use crate::primitives::PrimitiveKind;
 
 /// The uncertainty in mm: the precision of modelling kernels.
 const KERNEL: f64 = 1e-7;
@@ -46,20 +47,23 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
         FaceBuilder { work, network: &network, brep: &mut brep, gap, patch_of, triangles };
     none(plans.iter().enumerate().filter_map(|(i, plan)| builder.face(i, plan).err()).collect())?;
     let FaceBuilder { gap, patch_of, triangles, .. } = builder;
-    // Edges beside B-splines are as exact as these.
     brep.uncertainty_mm = KERNEL.max(SLACK * gap);
     let faces = (0..brep.faces.len()).map(FaceId).collect();
     brep.add_shell(Shell { faces, closed: true });
     let faults = brep.face_faults().into_iter();
-    none(faults.map(|(face, fault)| SeamFault::new(&[patch_of[face.0]], fault.to_string())).collect())?;
+    none(
+        faults
+            .map(|(face, fault)| SeamFault::new(&[patch_of[face.0]], fault.to_string()))
+            .collect(),
+    )?;
     none(crossings(&brep, &network, &patch_of))?;
-    brep.check()
-        .map_err(|fault| {
-            let faces = faces_of(&brep, &fault).into_iter().map(|face| patch_of[face]);
-            vec![SeamFault::new(&faces.collect::<Vec<_>>(), fault.to_string())]
-        })?;
+    brep.check().map_err(|fault| {
+        let faces = faces_of(&brep, &fault).into_iter().map(|face| patch_of[face]);
+        vec![SeamFault::new(&faces.collect::<Vec<_>>(), fault.to_string())]
+    })?;
     work.guard(&brep, &strips, &patch_of)?;
-    let of_face = |(&i, triangles): (&usize, Vec<u32>)| FacePatch { triangles, ..work.patches[i].clone() };
+    let of_face =
+        |(&i, triangles): (&usize, Vec<u32>)| FacePatch { triangles, ..work.patches[i].clone() };
     let patches = patch_of.iter().zip(triangles).map(of_face).collect();
     Ok(BuiltShell { brep, gap, patches })
 }
@@ -195,7 +199,7 @@ impl Work<'_> {
         // A distance that is not a number fails, too.
         let off_planes = pair.off_planes(&curve);
         let limit = self.limit_at(network.chains[number].error);
-        if off_planes < EXACT && off < limit.max(pair.open()) {
+        if off_planes < EXACT && off < limit {
             Ok((curve, off))
         } else {
             Err(format!("an edge is {:.1e} mm off its faces", off.max(off_planes)))
@@ -207,7 +211,7 @@ impl Work<'_> {
         let BrepCurve::Ellipse(arc) = curve else { return false };
         let [x, y] = arc.axes().map(Vector::from);
         sides.iter().any(|&i| {
-            self.patches[i].surface.is_plane()
+            self.patches[i].surface.kind() == PrimitiveKind::Plane
                 && x.cross(&y).dot(&Vector::from(plans[i].chart.frame.z())) < 0.0
         })
     }

@@ -8,7 +8,7 @@ use super::network::ChainNetwork;
 use super::shell::none;
 use super::{EXACT, FacePatch, Work};
 use crate::geometry::{Point, Vector};
-use super::FaceSurface;
+use crate::primitives::{Primitive, PrimitiveKind};
 
 const STEPS: usize = 15;
 
@@ -58,16 +58,9 @@ impl Work<'_> {
             let start = network.vertices[n];
             let error = self.errors[v as usize];
             let limit = self.limit_at(error);
-            let (mut at, mut left) = placed(&patches, start, error, limit);
-            let exact = |left: f64| left < limit;
-            if !exact(left) {
-                // Other surfaces say more exactly where it is than B-splines do.
-                let others = patches.into_iter().filter(|patch| patch.surface.exact().is_some());
-                let others: Vec<&FacePatch> = others.collect();
-                (at, left) = placed(&others, start, error, limit);
-            }
+            let (at, left) = placed(&patches, start, error, limit);
             let moved = (at - start).norm();
-            if exact(left) && moved < MOVES * shortest[v as usize] {
+            if left < limit && moved < MOVES * shortest[v as usize] {
                 network.vertices[n] = at;
             } else {
                 let why = format!("a vertex is {left:.1e} mm off its surfaces, moved {moved:.1e}");
@@ -78,28 +71,22 @@ impl Work<'_> {
     }
 }
 
-/// The point, and the largest residual there. B-splines that touch other surfaces do not hold it.
+fn is_plane(of: &Primitive) -> bool {
+    of.kind() == PrimitiveKind::Plane
+}
+
+/// The point, and its largest distance from a surface.
 fn placed(patches: &[&FacePatch], start: Point, error: f64, limit: f64) -> (Point, f64) {
+    let surfaces: Vec<&Primitive> = patches.iter().map(|patch| &patch.surface).collect();
     let mut pairs = Vec::new();
-    let mut is_loose = vec![false; patches.len()];
     for (i, a) in patches.iter().enumerate() {
-        for (k, b) in patches.iter().enumerate().skip(i + 1).filter(|(_, b)| !b.is_facet) {
-            if a.is_facet || !touch(&a.surface, &b.surface, &[start], error) {
-                continue;
-            }
-            match (a.surface.exact(), b.surface.exact()) {
-                (Some(a), Some(b)) => pairs.push((a, b)),
-                (a, b) => {
-                    is_loose[i] |= a.is_none();
-                    is_loose[k] |= b.is_none();
-                }
-            }
-        }
+        let others = patches[i + 1..].iter().filter(|b| !a.is_facet && !b.is_facet);
+        let others = others.map(|b| &b.surface);
+        let touching = others.filter(|b| touch(&a.surface, b, &[start], error));
+        pairs.extend(touching.map(|b| (&a.surface, b)));
     }
-    let holding = patches.iter().zip(is_loose).filter(|(_, is_loose)| !is_loose);
-    let surfaces: Vec<&FaceSurface> = holding.map(|(patch, _)| &patch.surface).collect();
     let residual = |p: Point| {
-        let weight = |s: &FaceSurface| if s.is_plane() { FIRM } else { 1.0 };
+        let weight = |s: &Primitive| if is_plane(s) { FIRM } else { 1.0 };
         let mut rows: Vec<f64> = surfaces.iter().map(|s| weight(s) * s.distance(p).0).collect();
         for (a, b) in &pairs {
             let off = p - contact(a, b, p);
@@ -126,9 +113,9 @@ fn placed(patches: &[&FacePatch], start: Point, error: f64, limit: f64) -> (Poin
             break;
         }
     }
-    let off = |s: &&FaceSurface| s.distance(at).0.abs();
-    let planes = surfaces.iter().filter(|s| s.is_plane());
+    let off = |s: &&Primitive| s.distance(at).0.abs();
     // What planes are off counts as much as it may be on others.
-    let off_planes = planes.map(off).fold(0.0, f64::max) * (limit / EXACT);
+    let planes = surfaces.iter().copied().filter(|s| is_plane(s));
+    let off_planes = planes.map(|s| off(&s)).fold(0.0, f64::max) * (limit / EXACT);
     (at, surfaces.iter().map(off).fold(off_planes, f64::max))
 }
