@@ -143,6 +143,33 @@ def test_a_solid():
     FreeCAD.closeDocument(made.Name)
 
 
+def test_a_part():
+    made, source = document("bracket.stl")
+    panel = opened()
+    assert not panel.part.isVisible()
+    button(panel, "Convert").click()
+    wait(lambda: panel.worker is None, "a part")
+    assert panel.part.isVisible(), panel.said.text()
+    assert "5 cylinders" in panel.part.kinds.text()
+    table = panel.part.table
+    rows = [[table.item(row, column).text() for column in range(3)] for row in range(table.rowCount())]
+    assert rows[1] == ["bore", "9", "x"] and len(rows) == 5, rows
+    table.selectRow(1)
+    (chosen,) = FreeCADGui.Selection.getSelectionEx()
+    (face,) = chosen.SubObjects
+    assert chosen.Object is panel.object and abs(face.Surface.Radius - 9.0) < 1e-6
+    assert panel.form.minimumSizeHint().width() <= 250, "the panel fits into a narrow column"
+    picture("7-part")
+    result = panel.object
+    panel.reject()
+    from freecad.scan2step_wb import panel as panels
+
+    again = panels.open_panel(source, result)
+    assert again.part.isVisible() and again.part.table.rowCount() == 5
+    again.reject()
+    FreeCAD.closeDocument(made.Name)
+
+
 def test_an_error_shows_its_place():
     made, source = document("relief.ply")
     panel = opened()
@@ -179,7 +206,7 @@ def main():
     try:
         FreeCADGui.getMainWindow().resize(1280, 800)
         FreeCADGui.activateWorkbench("PartWorkbench")
-        for test in (test_a_face, test_a_solid, test_an_error_shows_its_place, test_the_mesh_workbench_has_a_button):
+        for test in (test_a_face, test_a_solid, test_a_part, test_an_error_shows_its_place, test_the_mesh_workbench_has_a_button):
             test()
             print(f"{test.__name__}: ok", flush=True)
         status = 0

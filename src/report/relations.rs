@@ -134,14 +134,11 @@ pub(super) fn phrases(relations: &[RelationFigures], rows: &[CylinderFigures]) -
     }
     for kind in ["coaxial", "parallel"] {
         let sizes: Vec<usize> = of_kind(kind).map(|of| of.cylinders.len()).collect();
-        match sizes[..] {
-            [] => {}
-            [only] => phrases.push(format!("{kind} {only}")),
-            _ => phrases.push(format!(
-                "{kind} {} in {}",
-                sizes.iter().sum::<usize>(),
-                plural(sizes.len(), "group")
-            )),
+        let all: usize = sizes.iter().sum();
+        match sizes.len() {
+            0 => {}
+            1 => phrases.push(format!("{all} {kind}")),
+            several => phrases.push(format!("{all} {kind} in {}", plural(several, "group"))),
         }
     }
     let mut perpendicular: Vec<usize> = of_kind("perpendicular")
@@ -151,7 +148,7 @@ pub(super) fn phrases(relations: &[RelationFigures], rows: &[CylinderFigures]) -
     perpendicular.sort_unstable();
     perpendicular.dedup();
     if !perpendicular.is_empty() {
-        phrases.push(format!("perpendicular {}", perpendicular.len()));
+        phrases.push(format!("{} perpendicular", perpendicular.len()));
     }
     phrases
 }
@@ -267,7 +264,7 @@ mod tests {
             row("shaft", 1.0, [0.0; 3], X),
         ];
         let found = relations(&rows, 1e-6, 100.0);
-        let expected = ["equal radii 2 × 2.750 mm", "coaxial 2", "parallel 3", "perpendicular 4"];
+        let expected = ["equal radii 2 × 2.750 mm", "2 coaxial", "3 parallel", "4 perpendicular"];
         assert_eq!(phrases(&found, &rows), expected);
         assert_eq!(
             lists(&rows)[0],
