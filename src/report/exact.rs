@@ -120,7 +120,7 @@ impl ExactFigures {
     /// The cylinders in lines for people, those of one kind, radius and direction together: "2 bores of radius
     /// 2.750 mm along z, at …".
     pub fn cylinder_lines(&self) -> Vec<String> {
-        relations::lists(&self.cylinders)
+        relations::lists(&self.relations, &self.cylinders)
     }
 
     /// The relations in short phrases, one for each kind that there is: "equal radii 2 × 2.750 mm".

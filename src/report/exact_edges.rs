@@ -9,6 +9,9 @@ use crate::geometry::Point;
 /// chamfers that people make turn by more.
 const SHARP_DEG: f64 = 5.0;
 
+/// The same for two facets. Those of a curved face turn by up to the angle to which CAD programs divide it.
+const SHARP_FACETS_DEG: f64 = 30.0;
+
 /// Where along an edge the faces are compared: not at its ends, where a cone may have its apex.
 const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
 
@@ -44,7 +47,9 @@ impl ExactEdges {
 
 /// Whether two faces turn at their edge.
 fn is_sharp(edge: &Edge, fit: &ExactFit, faces: [usize; 2]) -> bool {
-    let least = SHARP_DEG.to_radians().cos();
+    let most =
+        if faces.iter().all(|&k| fit.faces[k].is_facet) { SHARP_FACETS_DEG } else { SHARP_DEG };
+    let least = most.to_radians().cos();
     PLACES.into_iter().any(|share| {
         let at = point(edge, share);
         let [a, b] = faces.map(|k| fit.faces[k].side * fit.faces[k].surface.normal(at));

@@ -153,12 +153,23 @@ pub(super) fn phrases(relations: &[RelationFigures], rows: &[CylinderFigures]) -
     phrases
 }
 
+/// For each cylinder the last relation of these kinds that it is in. Those that are in none have numbers of their own.
+fn labels(relations: &[RelationFigures], kinds: &[&str], count: usize) -> Vec<usize> {
+    let mut labels: Vec<usize> = (relations.len()..).take(count).collect();
+    for (number, of) in relations.iter().enumerate().filter(|(_, of)| kinds.contains(&of.kind)) {
+        of.cylinders.iter().for_each(|&cylinder| labels[cylinder] = number);
+    }
+    labels
+}
+
 /// Cylinders of one kind, radius and direction in a line: "2 bores of radius 2.750 mm along z".
-pub(super) fn lists(rows: &[CylinderFigures]) -> Vec<String> {
+pub(super) fn lists(relations: &[RelationFigures], rows: &[CylinderFigures]) -> Vec<String> {
+    let radii = labels(relations, &["equal radius"], rows.len());
+    // Parallel ones come after coaxial ones and hold these.
+    let directions = labels(relations, &["coaxial", "parallel"], rows.len());
     let all: Vec<usize> = (0..rows.len()).collect();
     let alike = |i: usize, j: usize| {
-        let (a, b) = (&rows[i], &rows[j]);
-        a.kind == b.kind && mm(a.radius_mm) == mm(b.radius_mm) && along(a.axis) == along(b.axis)
+        rows[i].kind == rows[j].kind && radii[i] == radii[j] && directions[i] == directions[j]
     };
     let line = |group: Vec<usize>| {
         let first = &rows[group[0]];
@@ -168,7 +179,7 @@ pub(super) fn lists(rows: &[CylinderFigures]) -> Vec<String> {
         };
         let more = match group.len().saturating_sub(NAMED_PLACES) {
             0 => String::new(),
-            more => format!(" and {more} more places"),
+            more => format!(" and {}", plural(more, "more place")),
         };
         let places: Vec<String> = group.iter().take(NAMED_PLACES).map(place).collect();
         format!(
@@ -185,13 +196,20 @@ pub(super) fn lists(rows: &[CylinderFigures]) -> Vec<String> {
 /// The places that a line names.
 const NAMED_PLACES: usize = 3;
 
-/// A direction in words: the name of an axis of the world, or its numbers.
+/// A direction in words: the name of an axis of the world, "nearly" if the written numbers are those of one, or the
+/// numbers.
 pub(super) fn along(axis: [f64; 3]) -> String {
-    let [x, y, z] = axis.map(|x| format!("{x:.4}"));
-    let is_axis = |k: usize| (0..3).all(|i| i == k || axis[i] == 0.0);
-    match (0..3).find(|&k| is_axis(k)) {
-        Some(k) => ["x", "y", "z"][k].into(),
-        None => format!("({x}, {y}, {z})"),
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    if let Some(k) = (0..3).find(|&k| (0..3).all(|i| i == k || axis[i] == 0.0)) {
+        return AXES[k].into();
+    }
+    let written = axis.map(|x| match format!("{x:.4}") {
+        zero if zero == "-0.0000" => "0.0000".into(),
+        text => text,
+    });
+    match (0..3).find(|&k| (0..3).all(|i| i == k || written[i] == "0.0000")) {
+        Some(k) => format!("nearly {}", AXES[k]),
+        None => format!("({})", written.join(", ")),
     }
 }
 
@@ -204,7 +222,7 @@ mod tests {
         CylinderFigures { kind, radius_mm, at, axis, length_mm, sweep_deg, faces: Vec::new() }
     }
 
-    fn told(rows: &[CylinderFigures]) -> Vec<(&'static str, Vec<usize>, Vec<usize>)> {
+    fn kinds_of(rows: &[CylinderFigures]) -> Vec<(&'static str, Vec<usize>, Vec<usize>)> {
         let found = relations(rows, 1e-6, 100.0);
         found.into_iter().map(|of| (of.kind, of.cylinders, of.to)).collect()
     }
@@ -216,9 +234,9 @@ mod tests {
     fn coaxial_cylinders_are_told_as_this_and_not_as_parallel_ones() {
         let down = [0.0, 0.0, -1.0];
         let rows = [row("bore", 5.0, [1.0, 2.0, 0.0], Z), row("bore", 3.0, [1.0, 2.0, 9.0], down)];
-        assert_eq!(told(&rows), [("coaxial", vec![0, 1], vec![])]);
+        assert_eq!(kinds_of(&rows), [("coaxial", vec![0, 1], vec![])]);
         let rows = [row("bore", 5.0, [1.0, 2.0, 0.0], Z), row("bore", 3.0, [1.0, 2.1, 9.0], down)];
-        assert_eq!(told(&rows), [("parallel", vec![0, 1], vec![])]);
+        assert_eq!(kinds_of(&rows), [("parallel", vec![0, 1], vec![])]);
     }
 
     #[test]
@@ -226,14 +244,15 @@ mod tests {
         let at = |off: f64, tilt: f64| {
             [row("bore", 5.0, [0.0; 3], Z), row("bore", 4.0, [off, 0.0, 0.0], [tilt, 0.0, 1.0])]
         };
-        assert_eq!(told(&at(1.9e-6, 0.0)), [("coaxial", vec![0, 1], vec![])]);
-        assert_eq!(told(&at(2.1e-6, 0.0)), [("parallel", vec![0, 1], vec![])]);
-        assert_eq!(told(&at(0.0, 1.9e-8)), [("coaxial", vec![0, 1], vec![])]);
-        assert!(told(&at(0.0, 2.1e-8)).is_empty());
+        assert_eq!(kinds_of(&at(1.9e-6, 0.0)), [("coaxial", vec![0, 1], vec![])]);
+        assert_eq!(kinds_of(&at(2.1e-6, 0.0)), [("parallel", vec![0, 1], vec![])]);
+        assert_eq!(kinds_of(&at(0.0, 1.9e-8)), [("coaxial", vec![0, 1], vec![])]);
+        assert!(kinds_of(&at(0.0, 2.1e-8)).is_empty());
         let tilted =
             [row("bore", 5.0, [0.0; 3], Z), row("bore", 4.0, [0.0; 3], [1.0, 0.0, 2.1e-8])];
-        assert!(told(&tilted).is_empty());
-        let radii = |by: f64| told(&[row("bore", 5.0, [0.0; 3], Z), row("bore", 5.0 + by, X, X)]);
+        assert!(kinds_of(&tilted).is_empty());
+        let radii =
+            |by: f64| kinds_of(&[row("bore", 5.0, [0.0; 3], Z), row("bore", 5.0 + by, X, X)]);
         assert_eq!(radii(1.9e-6)[0], ("equal radius", vec![0, 1], vec![]));
         assert_eq!(radii(2.1e-6), [("perpendicular", vec![0], vec![1])]);
     }
@@ -266,13 +285,18 @@ mod tests {
         let found = relations(&rows, 1e-6, 100.0);
         let expected = ["equal radii 2 × 2.750 mm", "2 coaxial", "3 parallel", "4 perpendicular"];
         assert_eq!(phrases(&found, &rows), expected);
+        let lists = lists(&found, &rows);
         assert_eq!(
-            lists(&rows)[0],
+            lists[0],
             "2 bores of radius 2.750 mm along z, at (0.000, 0.000, 0.000), (9.000, 0.000, 0.000)"
         );
-        assert_eq!(
-            lists(&rows)[1],
-            "1 round edge of radius 4.000 mm along z, at (0.000, 0.000, 0.000)"
-        );
+        assert_eq!(lists[1], "1 round edge of radius 4.000 mm along z, at (0.000, 0.000, 0.000)");
+    }
+
+    #[test]
+    fn a_direction_is_that_of_an_axis_only_if_its_numbers_are() {
+        assert_eq!(along([0.0, 1.0, 0.0]), "y");
+        assert_eq!(along([0.0, 1.0, -1e-7]), "nearly y");
+        assert_eq!(along([0.6, -0.8, -1e-7]), "(0.6000, -0.8000, 0.0000)");
     }
 }

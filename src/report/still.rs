@@ -234,11 +234,10 @@ impl Page {
         row += ROW;
         self.write("Cylinders", [x as f32, row as f32], Style { bold: true, ..SMALL });
         // Each component counts its own cylinders.
-        let mut relations: Vec<String> = match views {
-            [only] => vec![only.figures.relation_phrases().join("; ")],
+        let relations = match views {
+            [only] => only.figures.relation_phrases(),
             _ => Vec::new(),
         };
-        relations.retain(|text| !text.is_empty());
         let room = ((SIZE[1] - MARGIN).saturating_sub(row) / ROW).saturating_sub(relations.len());
         let shown = if rows.len() > room { room.saturating_sub(1) } else { rows.len() };
         for text in &rows[..shown] {
