@@ -159,7 +159,12 @@ def test_a_part():
     (face,) = chosen.SubObjects
     assert chosen.Object is panel.object and abs(face.Surface.Radius - 9.0) < 1e-6
     assert panel.form.minimumSizeHint().width() <= 250, "the panel fits into a narrow column"
+    panel.part.paint.setChecked(True)
+    colours = panel.object.ViewObject.DiffuseColor
+    assert len(colours) == 15 and len(set(colours)) == 4, "a colour for each of four kinds"
     picture("7-part")
+    panel.part.paint.setChecked(False)
+    assert len(set(panel.object.ViewObject.DiffuseColor)) == 1
     result = panel.object
     panel.reject()
     from freecad.scan2step_wb import panel as panels

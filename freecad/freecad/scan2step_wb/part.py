@@ -9,6 +9,11 @@ COLUMNS = ("kind", "radius", "axis", "at")
 NAMES = {"round": "round edge"}
 
 
+#: The colours of the kinds of faces, as the picture and the page of a report have them. Other faces are grey.
+COLOURS = {"plane": 0xD8C9A8, "cylinder": 0xB7CBD6, "cone": 0xC6D3B2, "sphere": 0xDCB9A9, "torus": 0xC9BFD9}
+GREY = 0xCCCCCC
+
+
 def body(report):
     """The report of the first component, or of the only one."""
     return report.get("components", [report])[0]
@@ -29,6 +34,12 @@ def counted(count, word):
     if count == 1:
         return f"1 {word}"
     return f"{count} tori" if word == "torus" else f"{count} {word}s"
+
+
+def colours(report):
+    """The colour of each face by its kind: red, green and blue from 0 to 1."""
+    codes = [COLOURS.get(face["surface"], GREY) for face in body(report)["faces"]]
+    return [tuple((code >> shift & 255) / 255.0 for shift in (16, 8, 0)) for code in codes]
 
 
 def cylinders(report):

@@ -15,6 +15,9 @@ class PartView(QtGui.QWidget):
         super().__init__()
         self.object = None
         self.faces = []
+        self.colours = []
+        self.paint = QtGui.QCheckBox("Colours by kind")
+        self.paint.toggled.connect(self.show_colours)
         layout = QtGui.QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         self.kinds, self.notes = label(), label()
@@ -24,7 +27,7 @@ class PartView(QtGui.QWidget):
         self.table.setEditTriggers(QtGui.QAbstractItemView.NoEditTriggers)
         self.table.setMinimumHeight(150)
         self.table.itemSelectionChanged.connect(self.choose)
-        for widget in (self.kinds, self.table, self.notes):
+        for widget in (self.kinds, self.paint, self.table, self.notes):
             layout.addWidget(widget)
         self.setVisible(False)
 
@@ -39,6 +42,8 @@ class PartView(QtGui.QWidget):
             return
         rows = part.cylinders(report)
         self.faces = [faces for _, faces in rows]
+        self.colours = part.colours(report)
+        self.show_colours(self.paint.isChecked())
         self.kinds.setText(part.kinds(report))
         self.notes.setText("\n".join(part.notes(report)))
         self.table.setVisible(bool(rows))
@@ -49,6 +54,16 @@ class PartView(QtGui.QWidget):
                 item.setToolTip(text)
                 self.table.setItem(row, column, item)
         self.table.resizeColumnsToContents()
+
+    def show_colours(self, by_kind):
+        """Gives each face the colour of its kind, or all faces that of the shape."""
+        view = self.object.ViewObject if self.object is not None else None
+        if view is None:
+            return
+        if by_kind:
+            view.DiffuseColor = self.colours
+        elif len(view.DiffuseColor) > 1:
+            view.DiffuseColor = [view.ShapeColor]
 
     def choose(self):
         """Selects the faces of the chosen rows in the 3D view."""
