@@ -80,6 +80,17 @@ def button(panel, title):
     return found[0]
 
 
+def scroll_to(widget):
+    """Moves the panel so that a widget is in sight."""
+    for _ in range(5):
+        QtGui.QApplication.processEvents()
+    area = widget.parent()
+    while area is not None and not isinstance(area, QtGui.QScrollArea):
+        area = area.parent()
+    if area is not None:
+        area.ensureWidgetVisible(widget)
+
+
 def opened():
     from freecad.scan2step_wb import panel
 
@@ -146,10 +157,10 @@ def test_a_solid():
 def test_a_part():
     made, source = document("bracket.stl")
     panel = opened()
-    assert not panel.part.isVisible()
+    assert panel.part.isHidden()
     button(panel, "Convert").click()
     wait(lambda: panel.worker is None, "a part")
-    assert panel.part.isVisible(), panel.said.text()
+    assert not panel.part.isHidden(), panel.said.text()
     assert "5 cylinders" in panel.part.kinds.text()
     table = panel.part.table
     rows = [[table.item(row, column).text() for column in range(3)] for row in range(table.rowCount())]
@@ -162,15 +173,18 @@ def test_a_part():
     panel.part.paint.setChecked(True)
     colours = panel.object.ViewObject.DiffuseColor
     assert len(colours) == 15 and len(set(colours)) == 4, "a colour for each of four kinds"
+    scroll_to(panel.part.notes)
     picture("7-part")
     panel.part.paint.setChecked(False)
     assert len(set(panel.object.ViewObject.DiffuseColor)) == 1
     result = panel.object
     panel.reject()
-    from freecad.scan2step_wb import panel as panels
+    from freecad.scan2step_wb import commands, convert, panel as panels
 
+    said = commands.inspection("part", __import__("scan2step").inspect(*convert.arrays(source)))
+    assert "of exact faces: 7 planes, 5 cylinders, 2 cones, 1 torus" in said, said
     again = panels.open_panel(source, result)
-    assert again.part.isVisible() and again.part.table.rowCount() == 5
+    assert not again.part.isHidden() and again.part.table.rowCount() == 5
     again.reject()
     FreeCAD.closeDocument(made.Name)
 

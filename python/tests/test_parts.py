@@ -49,6 +49,12 @@ def test_relations_are_groups_of_cylinders(bracket: scan2step.Conversion) -> Non
     }
 
 
+def test_inspect_tells_of_exact_faces() -> None:
+    found = scan2step.inspect(BRACKET)["exact"]
+    assert found["radii_mm"] == pytest.approx([20, 9, 8, 2.75, 2.75])
+    assert (found["surfaces"]["plane"], found["facets"]) == (7, 0)
+
+
 def test_only_splines_have_control_points(bracket: scan2step.Conversion) -> None:
     face = bracket.faces[0]
     with pytest.raises(ValueError, match="no control points"):

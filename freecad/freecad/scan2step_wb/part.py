@@ -25,9 +25,10 @@ def is_exact(report):
 
 
 def kinds(report):
-    """The number of faces of each kind: "7 planes, 5 cylinders, 1 torus"."""
+    """The number of faces of each kind: "7 planes, 5 cylinders, 1 torus". Exact kinds come first."""
     counts = body(report)["shape"]["surfaces"]
-    return ", ".join(counted(count, kind) for kind, count in counts.items() if count)
+    order = [*COLOURS, *sorted(set(counts) - set(COLOURS))]
+    return ", ".join(counted(counts[kind], kind) for kind in order if counts.get(kind))
 
 
 def counted(count, word):
@@ -65,7 +66,7 @@ def place(at):
 
 
 def notes(report):
-    """Lines about relations, snaps and facets."""
+    """Lines about relations, snaps and facets. Cylinders have the numbers of their rows, from 1."""
     exact = body(report)["exact"]
     lines = []
     for relation in exact["relations"]:

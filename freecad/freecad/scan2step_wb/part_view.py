@@ -23,6 +23,7 @@ class PartView(QtGui.QWidget):
         self.kinds, self.notes = label(), label()
         self.table = QtGui.QTableWidget(0, len(part.COLUMNS))
         self.table.setHorizontalHeaderLabels(part.COLUMNS)
+        self.table.setToolTip("Lengths in mm. A row selects its faces.")
         self.table.setSelectionBehavior(QtGui.QAbstractItemView.SelectRows)
         self.table.setEditTriggers(QtGui.QAbstractItemView.NoEditTriggers)
         self.table.setMinimumHeight(150)
@@ -51,7 +52,6 @@ class PartView(QtGui.QWidget):
         for row, (texts, _) in enumerate(rows):
             for column, text in enumerate(texts):
                 item = QtGui.QTableWidgetItem(text)
-                item.setToolTip(text)
                 self.table.setItem(row, column, item)
         self.table.resizeColumnsToContents()
 
