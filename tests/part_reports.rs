@@ -71,7 +71,9 @@ fn a_bracket_has_groups_of_cylinders() {
     let moved = number(&report, "/exact/snaps/0/before/radius_mm");
     assert!((moved - 10.5).abs() < 1e-5 && moved != 10.5, "{moved}");
     assert!(
-        page.contains("<td>radius</td><td>19.9999998908</td><td>20</td>"),
+        page.contains(
+            "<td>radius</td><td class=\"values\">19.9999998908</td><td class=\"values\">20</td>"
+        ),
         "no snap on the page"
     );
 }
