@@ -1,5 +1,6 @@
 """Tests of the addon without a window: freecadcmd -M freecad -t TestScan2Step"""
 
+import json
 import os
 import tempfile
 import unittest
@@ -7,8 +8,9 @@ import unittest
 import FreeCAD
 import Mesh
 import numpy as np
+import Part
 import scan2step
-from freecad.scan2step_wb import convert, deviation, feature
+from freecad.scan2step_wb import convert, deviation, feature, part
 
 FIXTURES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fixtures")
 
@@ -51,6 +53,32 @@ class Scans(unittest.TestCase):
         self.assertEqual(result.Shape.ShapeType, "Solid")
         self.assertTrue(result.Shape.isValid())
         self.assertAlmostEqual(result.Shape.Volume / made.volume, 1.0, 4)
+
+    def test_a_part_has_its_bores(self):
+        made, result = self.converted(self.scan("bracket.stl"))
+        self.assertTrue(result.Shape.isValid())
+        self.assertEqual(part.kinds(made.report), "7 planes, 5 cylinders, 2 cones, 1 torus")
+        rows = part.cylinders(json.loads(result.Report))
+        self.assertEqual(
+            [texts[:3] for texts, _ in rows],
+            [("round edge", "20", "x"), ("bore", "9", "x"), ("fillet", "8", "y"), ("bore", "2.75", "z"), ("bore", "2.75", "z")],
+        )
+        # The numbers of the faces are those of the shape.
+        for row, (_, faces) in zip(made.cylinders(), rows):
+            for face in faces:
+                surface = result.Shape.Faces[face].Surface
+                self.assertIsInstance(surface, Part.Cylinder)
+                self.assertAlmostEqual(surface.Radius, row.radius, 6)
+                off = surface.Center - FreeCAD.Vector(*row.at)
+                self.assertLess(off.cross(surface.Axis).Length, 1e-6)
+        notes = part.notes(made.report)
+        self.assertIn("equal radius: 4, 5", notes)
+        self.assertIn("coaxial: 1, 2", notes)
+        self.assertTrue(any(note.startswith("moved within the rounding") for note in notes), notes)
+
+    def test_a_scan_is_no_part(self):
+        made, _ = self.converted(self.scan("relief.ply"), tolerance=0.5)
+        self.assertFalse(part.is_exact(made.report))
 
     def test_a_cloud_becomes_a_face(self):
         import Points

@@ -80,6 +80,17 @@ def button(panel, title):
     return found[0]
 
 
+def scroll_to(widget):
+    """Moves the panel so that a widget is in sight."""
+    for _ in range(5):
+        QtGui.QApplication.processEvents()
+    area = widget.parent()
+    while area is not None and not isinstance(area, QtGui.QScrollArea):
+        area = area.parent()
+    if area is not None:
+        area.ensureWidgetVisible(widget)
+
+
 def opened():
     from freecad.scan2step_wb import panel
 
@@ -143,6 +154,41 @@ def test_a_solid():
     FreeCAD.closeDocument(made.Name)
 
 
+def test_a_part():
+    made, source = document("bracket.stl")
+    panel = opened()
+    assert panel.part.isHidden()
+    button(panel, "Convert").click()
+    wait(lambda: panel.worker is None, "a part")
+    assert not panel.part.isHidden(), panel.said.text()
+    assert "5 cylinders" in panel.part.kinds.text()
+    table = panel.part.table
+    rows = [[table.item(row, column).text() for column in range(3)] for row in range(table.rowCount())]
+    assert rows[1] == ["bore", "9", "x"] and len(rows) == 5, rows
+    table.selectRow(1)
+    (chosen,) = FreeCADGui.Selection.getSelectionEx()
+    (face,) = chosen.SubObjects
+    assert chosen.Object is panel.object and abs(face.Surface.Radius - 9.0) < 1e-6
+    assert panel.form.minimumSizeHint().width() <= 250, "the panel fits into a narrow column"
+    panel.part.paint.setChecked(True)
+    colours = panel.object.ViewObject.DiffuseColor
+    assert len(colours) == 15 and len(set(colours)) == 4, "a colour for each of four kinds"
+    scroll_to(panel.part.notes)
+    picture("7-part")
+    panel.part.paint.setChecked(False)
+    assert len(set(panel.object.ViewObject.DiffuseColor)) == 1
+    result = panel.object
+    panel.reject()
+    from freecad.scan2step_wb import commands, convert, panel as panels
+
+    said = commands.inspection("part", __import__("scan2step").inspect(*convert.arrays(source)))
+    assert "of exact faces: 7 planes, 5 cylinders, 2 cones, 1 torus" in said, said
+    again = panels.open_panel(source, result)
+    assert not again.part.isHidden() and again.part.table.rowCount() == 5
+    again.reject()
+    FreeCAD.closeDocument(made.Name)
+
+
 def test_an_error_shows_its_place():
     made, source = document("relief.ply")
     panel = opened()
@@ -179,7 +225,7 @@ def main():
     try:
         FreeCADGui.getMainWindow().resize(1280, 800)
         FreeCADGui.activateWorkbench("PartWorkbench")
-        for test in (test_a_face, test_a_solid, test_an_error_shows_its_place, test_the_mesh_workbench_has_a_button):
+        for test in (test_a_face, test_a_solid, test_a_part, test_an_error_shows_its_place, test_the_mesh_workbench_has_a_button):
             test()
             print(f"{test.__name__}: ok", flush=True)
         status = 0

@@ -10,7 +10,7 @@ faces, or a watertight solid. Lengths are millimetres, whatever the unit of the 
 >>> made.write("relief.step")  # doctest: +SKIP
 """
 
-from ._conversion import Arc, Conversion, Curve, Cylinder, Ellipse, Face, Loop, Surface
+from ._conversion import Arc, Conversion, Curve, Cylinder, Ellipse, Face, Loop, Relation, Surface
 from ._errors import (
     FileError,
     FillError,
@@ -39,6 +39,7 @@ __all__ = [
     "Loop",
     "MemoryBoundError",
     "OptionError",
+    "Relation",
     "Scan",
     "Scan2StepError",
     "ScanError",

@@ -76,8 +76,19 @@ class Cylinder(NamedTuple):
     axis: Tuple[float, float, float]
     #: Its extent along the axis in mm.
     length: float
-    #: The number of faces on it.
-    faces: int
+    #: The faces on it, as positions in ``faces`` of the conversion.
+    faces: Tuple[int, ...]
+
+
+class Relation(NamedTuple):
+    """Cylinders of a part that belong together. They are positions in ``cylinders()`` of the conversion."""
+
+    #: ``"equal radius"``, ``"coaxial"``, ``"parallel"`` or ``"perpendicular"``.
+    kind: str
+    #: The cylinders.
+    cylinders: Tuple[int, ...]
+    #: The cylinders that these are perpendicular to, each to each. Empty for the other kinds.
+    to: Tuple[int, ...]
 
 
 class Arc(NamedTuple):
@@ -198,12 +209,37 @@ class Conversion:
 
     def cylinders(self) -> List[Cylinder]:
         """The cylinders of a part with exact faces: bores, shafts, fillets and round edges, the widest first."""
+        found: List[Cylinder] = []
+        first = 0
+        for body in self._bodies():
+            for row in body.get("exact", {}).get("cylinders", []):
+                at, axis = _triple(row["at"]), _triple(row["axis"])
+                faces = tuple(first + face for face in row["faces"])
+                found.append(Cylinder(row["kind"], row["radius_mm"], at, axis, row["length_mm"], faces))
+            first += body["shape"]["faces"]
+        return found
+
+    def relations(self) -> List[Relation]:
+        """Groups of the cylinders of a part: of equal radius, coaxial, parallel and perpendicular ones.
+
+        Two values are the same if they differ by twice the rounding of the file at the most. Those that are only parallel
+        are in a group of their own kind; coaxial ones are parallel, too.
+        """
+        found: List[Relation] = []
+        first = 0
+        for body in self._bodies():
+            exact = body.get("exact", {})
+            for row in exact.get("relations", []):
+                cylinders, to = (tuple(first + k for k in row[key]) for key in ("cylinders", "to"))
+                found.append(Relation(row["kind"], cylinders, to))
+            first += len(exact.get("cylinders", []))
+        return found
+
+    def _bodies(self) -> List[Dict[str, Any]]:
+        """The report of each body."""
         report = self.report
-        return [
-            Cylinder(row["kind"], row["radius_mm"], tuple(row["at"]), tuple(row["axis"]), row["length_mm"], len(row["faces"]))
-            for body in report.get("components", [report])
-            for row in body.get("exact", {}).get("cylinders", [])
-        ]
+        bodies: List[Dict[str, Any]] = report.get("components", [report])
+        return bodies
 
     @property
     def tolerance(self) -> float:

@@ -32,6 +32,29 @@ def test_cylinders_are_bores_and_fillets(bracket: scan2step.Conversion) -> None:
     assert rows == [("round", 20.0), ("bore", 9.0), ("fillet", 8.0), ("bore", 2.75), ("bore", 2.75)]
 
 
+def test_cylinders_tell_their_faces(bracket: scan2step.Conversion) -> None:
+    for row in bracket.cylinders():
+        surfaces = [bracket.faces[face].surface for face in row.faces]
+        assert surfaces and all(surface.radius == row.radius for surface in surfaces)
+
+
+def test_relations_are_groups_of_cylinders(bracket: scan2step.Conversion) -> None:
+    found = {(relation.kind, relation.cylinders, relation.to) for relation in bracket.relations()}
+    assert found == {
+        ("equal radius", (3, 4), ()),
+        ("coaxial", (0, 1), ()),
+        ("parallel", (3, 4), ()),
+        ("perpendicular", (0, 1), (2, 3, 4)),
+        ("perpendicular", (3, 4), (2,)),
+    }
+
+
+def test_inspect_tells_of_exact_faces() -> None:
+    found = scan2step.inspect(BRACKET)["exact"]
+    assert found["radii_mm"] == pytest.approx([20, 9, 8, 2.75, 2.75])
+    assert (found["surfaces"]["plane"], found["facets"]) == (7, 0)
+
+
 def test_only_splines_have_control_points(bracket: scan2step.Conversion) -> None:
     face = bracket.faces[0]
     with pytest.raises(ValueError, match="no control points"):
@@ -39,7 +62,7 @@ def test_only_splines_have_control_points(bracket: scan2step.Conversion) -> None
     assert repr(face) == f"<scan2step.Face {face.surface.kind}>"
     splined = scan2step.convert(BRACKET, surfaces="spline", face_count=60)
     assert {face.surface.kind for face in splined.faces} == {"spline"}
-    assert splined.cylinders() == []
+    assert splined.cylinders() == [] and splined.relations() == []
 
 
 def test_edges_are_lines_and_circles_where_the_part_has_them(bracket: scan2step.Conversion) -> None:

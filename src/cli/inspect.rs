@@ -9,7 +9,7 @@ use super::args::Inspect;
 use super::input::{self, ReadScan};
 use super::paragraphs::wrapped;
 use super::spelling::spelled;
-use super::{Failure, Outcome, messages, streams};
+use super::{Failure, Outcome, cylinders, messages, streams};
 
 /// Reads and repairs a scan, and prints what it is.
 pub(crate) fn run(args: &Inspect) -> Result<Outcome, Failure> {
@@ -56,6 +56,8 @@ fn as_text(scan: &ReadScan, found: &Inspection) -> String {
         format!("  surface     {}", kind(found)),
         format!("  becomes     {}", target(found)),
     ]);
+    let radii = found.exact.iter().map(|exact| &exact.radii).filter(|radii| !radii.is_empty());
+    lines.extend(radii.map(|radii| format!("  cylinders   radius {}", cylinders::radii(radii))));
     lines.extend(choices(found));
     lines.extend(loops(found));
     if input.islands > 0 {

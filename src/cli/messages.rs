@@ -8,7 +8,7 @@ use scan2step::{Body, BodyFit, ExactFit, InputReport, Stage, SurfaceFit, TargetS
 use super::args::{ComponentChoice, Convert};
 use super::input::ReadScan;
 use super::progress::ProgressDisplay;
-use super::{Outcome, streams};
+use super::{Outcome, cylinders, streams};
 
 /// Which shape is tried, and why.
 pub fn shape(shape: TargetShape, why: &str) -> String {
@@ -169,6 +169,7 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
     progress.say(&format!(
         "{of}surfaces: exact, as the vertices lie on them within the rounding of the file (--surfaces spline to change)"
     ));
+    cylinders::say(progress, of, exact);
     for fallback in &exact.fallbacks {
         let (kind, p) = (fallback.kind.name(), fallback.place);
         progress.say(&format!(

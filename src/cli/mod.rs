@@ -5,6 +5,7 @@ mod batch;
 mod cad;
 mod check;
 mod convert;
+mod cylinders;
 mod input;
 mod inspect;
 mod manual;

@@ -117,6 +117,8 @@ pub struct ExactFit {
     pub snaps: Vec<Snap>,
     /// The share of the area that is not facets.
     pub explained: f64,
+    /// The bound of the errors of the vertices in mm: the rounding of the file.
+    pub rounding: f64,
 }
 
 /// An exact face. Lengths are in mm.

@@ -131,6 +131,8 @@ pub struct ExactEstimate {
     pub kinds: Vec<PrimitiveKind>,
     /// The number of flat faces that are only facets.
     pub facets: usize,
+    /// The radii of the cylinders in mm, the widest first.
+    pub radii: Vec<f64>,
 }
 
 /// The exact faces of a component, if it is closed and clean and they are significant.
@@ -144,8 +146,13 @@ pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<Ex
         let regions = found.regions.regions.iter();
         let (facets, faces): (Vec<_>, Vec<_>) =
             regions.partition(|region| region.origin == RegionOrigin::Facet);
+        let cylinders =
+            faces.iter().filter(|region| region.surface.kind() == PrimitiveKind::Cylinder);
+        let mut radii: Vec<f64> =
+            cylinders.filter_map(|of| of.surface.radius()).map(|r| scan.mm() * r).collect();
+        radii.sort_by(|a, b| b.total_cmp(a));
         let kinds = faces.into_iter().map(|region| region.surface.kind()).collect();
-        ExactEstimate { kinds, facets: facets.len() }
+        ExactEstimate { kinds, facets: facets.len(), radii }
     }))
 }
 
@@ -248,6 +255,7 @@ fn body(
             fallbacks: report.fallbacks,
             snaps: regions.snaps,
             explained: distances.explained,
+            rounding,
         })),
     }))
 }

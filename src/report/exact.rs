@@ -3,11 +3,13 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::relations::{self, RelationFigures};
 use crate::convert::ExactFit;
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::primitives::Primitive;
 use crate::stages::regions::{Snap, SnapKind};
 use crate::stages::seams::Fallback;
+use crate::words::grouped;
 
 /// What exact faces are, and what is not exact.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +18,13 @@ use crate::stages::seams::Fallback;
 pub struct ExactFigures {
     /// The percentage of the area whose surface was found.
     pub explained_pct: f64,
+    /// The bound of the errors of the vertices: the rounding of the file. Two values of the part are the same if they
+    /// differ by twice as much at the most, and two directions if lines of the length of the part do.
+    pub rounding_mm: f64,
     /// Bores and shafts: cylinders, one for each axis and radius, the widest first.
     pub cylinders: Vec<CylinderFigures>,
+    /// Cylinders of equal radius, on one axis, and with parallel and perpendicular axes.
+    pub relations: Vec<RelationFigures>,
     /// What was moved within the rounding of the file.
     pub snaps: Vec<SnapFigures>,
     /// Faces that were found, but became facets.
@@ -97,13 +104,55 @@ pub struct FacetFigures {
 }
 
 impl ExactFigures {
-    pub(super) fn of(fit: &ExactFit) -> Self {
+    /// The figures of exact faces.
+    pub fn of(fit: &ExactFit) -> Self {
+        let cylinders = cylinders(fit);
         ExactFigures {
             explained_pct: 100.0 * fit.explained,
-            cylinders: cylinders(fit),
+            rounding_mm: fit.rounding,
+            relations: relations::relations(&cylinders, fit.rounding, fit.mesh.diagonal()),
+            cylinders,
             snaps: fit.snaps.iter().map(|snap| SnapFigures::of(snap, fit.mm)).collect(),
             facets: fit.fallbacks.iter().map(FacetFigures::of).collect(),
         }
+    }
+
+    /// The cylinders in lines for people, those of one kind, radius and direction together: "2 bores of radius
+    /// 2.750 mm along z, at …".
+    pub fn cylinder_lines(&self) -> Vec<String> {
+        relations::lists(&self.relations, &self.cylinders)
+    }
+
+    /// The relations in short phrases, one for each kind that there is: "equal radii 2 × 2.750 mm".
+    pub fn relation_phrases(&self) -> Vec<String> {
+        relations::phrases(&self.relations, &self.cylinders)
+    }
+
+    /// What was snapped in short phrases: "8 to an axis of the world".
+    pub fn snap_phrases(&self) -> Vec<String> {
+        let said = |(to, words): (&str, &str)| {
+            let count = self.snaps.iter().filter(|snap| snap.to == to).count();
+            (count > 0).then(|| format!("{} {words}", grouped(count)))
+        };
+        SNAPPED.into_iter().filter_map(said).collect()
+    }
+}
+
+/// What surfaces are snapped to, and in words.
+const SNAPPED: [(&str, &str); 7] = [
+    ("axis of the world", "to an axis of the world"),
+    ("parallel", "to be parallel"),
+    ("perpendicular", "to be perpendicular"),
+    ("coaxial", "to be coaxial"),
+    ("round place", "to a round place"),
+    ("round value", "to a round value"),
+    ("tangent", "to be tangent"),
+];
+
+impl CylinderFigures {
+    /// What it is in words: "bore", "shaft", "fillet" or "round edge".
+    pub fn name(&self) -> &'static str {
+        if self.kind == "round" { "round edge" } else { self.kind }
     }
 }
 
@@ -167,6 +216,8 @@ impl FacetFigures {
 fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
     let mut found: Vec<(Primitive, CylinderFigures)> = Vec::new();
     let extents = extents(fit);
+    let slack = relations::OF_TWO * fit.rounding;
+    let is_one = |a: &Primitive, b: &Primitive, length| is_one_within(a, b, length, slack);
     for (number, face) in fit.faces.iter().enumerate() {
         let Primitive::Cylinder { radius, axis, .. } = face.surface else { continue };
         let kind = if face.side < 0.0 { "bore" } else { "shaft" };
@@ -199,25 +250,29 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
     }
     let arcs = arcs(fit);
     let named = |(_, row): (Primitive, CylinderFigures)| {
-        let covered =
-            covered(row.faces.iter().flat_map(|&face| arcs[face].iter().copied()).collect());
+        let arcs = row.faces.iter().flat_map(|&face| arcs[face].iter().copied());
+        let covered = covered(arcs.collect(), slack / row.radius_mm);
         let kind = match (covered >= TAU, row.kind) {
             (false, "bore") => "fillet",
             (false, _) => "round",
             (true, kind) => kind,
         };
-        CylinderFigures { kind, sweep_deg: covered.to_degrees(), ..row }
+        let axis = upright(row.axis);
+        CylinderFigures { kind, axis, sweep_deg: covered.to_degrees(), ..row }
     };
     let mut rows: Vec<CylinderFigures> = found.into_iter().map(named).collect();
     rows.sort_by(|a, b| b.radius_mm.total_cmp(&a.radius_mm));
     rows
 }
 
-/// Surfaces that CAD programs take for one: they store lengths to so many mm.
-const SAME: f64 = 1e-6;
+/// The one of two opposite directions whose largest coordinate is positive, without negative zeros.
+fn upright(axis: [f64; 3]) -> [f64; 3] {
+    let largest = axis[Vector::from(axis).iamax()];
+    axis.map(|x| if largest < 0.0 { 0.0 - x } else { x + 0.0 })
+}
 
-/// Whether two cylinders are one, over a length.
-fn is_one(a: &Primitive, b: &Primitive, length: f64) -> bool {
+/// Whether two cylinders are one, over a length. The slack is what the rounding leaves open of a length.
+fn is_one_within(a: &Primitive, b: &Primitive, length: f64, slack: f64) -> bool {
     let (
         Primitive::Cylinder { origin, axis, radius },
         Primitive::Cylinder { axis: other, radius: wide, .. },
@@ -227,8 +282,8 @@ fn is_one(a: &Primitive, b: &Primitive, length: f64) -> bool {
     };
     let from_axis = |p: Point| (p - origin).cross(&axis).norm();
     let at = b.origin();
-    (radius - wide).abs() <= SAME
-        && [at, at + length * other].into_iter().all(|p| from_axis(p) <= SAME)
+    (radius - wide).abs() <= slack
+        && [at, at + length * other].into_iter().all(|p| from_axis(p) <= slack)
 }
 
 /// The ends of the axis of each face.
@@ -275,13 +330,13 @@ fn arcs(fit: &ExactFit) -> Vec<Vec<[f64; 2]>> {
     arcs
 }
 
-/// How much of a turn some arcs cover, up to 2π. Gaps of the size of rounding errors are none.
-fn covered(mut arcs: Vec<[f64; 2]>) -> f64 {
+/// How much of a turn some arcs cover, up to 2π. Gaps of the size of the rounding, as an angle, are none.
+fn covered(mut arcs: Vec<[f64; 2]>, rounding: f64) -> f64 {
     arcs.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let Some(first) = arcs.first().map(|arc| arc[0]) else { return 0.0 };
     let (mut end, mut gaps) = (first, 0.0);
     for [start, stop] in arcs.into_iter().chain([[first + TAU; 2]]) {
-        if start > end + SAME {
+        if start > end + rounding {
             gaps += start - end;
         }
         end = end.max(stop);

@@ -32,8 +32,8 @@ pub(super) struct ExactView {
     painted: Vec<(usize, [Vector; 3])>,
     /// The number of faces of each kind.
     pub counts: [usize; KINDS.len()],
-    /// Bores and shafts, a line each.
-    pub cylinders: Vec<String>,
+    /// Bores and shafts, what was snapped, and what became facets.
+    pub figures: ExactFigures,
 }
 
 impl ExactView {
@@ -45,22 +45,31 @@ impl ExactView {
             let normals = fit.mesh.corners(triangle).map(|p| face.side * face.surface.normal(p));
             (kind_of(face), normals)
         };
-        let found = ExactFigures::of(fit).cylinders.into_iter();
-        let cylinders = found.map(|row| {
-            let [x, y, z] = row.at.map(|x| format!("{x:.3}"));
-            format!(
-                "{} of radius {}, {} long, at ({x}, {y}, {z})",
-                row.kind,
-                mm(row.radius_mm),
-                mm(row.length_mm)
-            )
-        });
         ExactView {
             painted: fit.of_triangle.iter().zip(&fit.mesh.triangles).map(paint).collect(),
             mesh: fit.mesh.clone(),
             counts,
-            cylinders: cylinders.collect(),
+            figures: ExactFigures::of(fit),
         }
+    }
+
+    /// Bores and shafts, a line each.
+    pub(super) fn cylinders(&self) -> impl Iterator<Item = String> {
+        self.figures.cylinders.iter().map(|row| {
+            let [x, y, z] = row.at.map(|x| format!("{x:.3}"));
+            let [radius, length] = [row.radius_mm, row.length_mm].map(mm);
+            format!("{} of radius {radius}, {length} long, at ({x}, {y}, {z})", row.name())
+        })
+    }
+
+    /// The places that the page points at, with what is there: cylinders, and then faces that became facets.
+    #[cfg(feature = "html")]
+    pub(super) fn spots(&self) -> impl Iterator<Item = ([f64; 3], String)> {
+        let cylinders = self.figures.cylinders.iter();
+        let cylinders =
+            cylinders.map(|row| (row.at, format!("{}, radius {}", row.name(), mm(row.radius_mm))));
+        let facets = self.figures.facets.iter();
+        cylinders.chain(facets.map(|row| (row.at, format!("facets of a {}", row.surface))))
     }
 
     /// The colour of a triangle, and the normals at its corners.

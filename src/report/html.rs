@@ -15,7 +15,7 @@ use super::bars::histograms;
 use super::command::shell_words;
 use super::far_places::far_places;
 use super::scale::Ends;
-use super::{Report, ReportView, filters, scene};
+use super::{Report, ReportView, exact_rows, filters, scene};
 use crate::words::{box_extents, tolerance_reason};
 
 /// The page's program, in parts that share one function.
@@ -67,7 +67,11 @@ fn page(
             })).collect::<Vec<_>>(),
             "holes": longest_first(&figures["fill"]["holes"]),
             "made": view.figures.made,
-            "tolerance_reason": tolerance_reason(tolerance, figures["noise_mm"].as_f64().unwrap_or(0.0)),
+            "exact": view.exact.as_ref().map(exact_rows::rows),
+            "tolerance_reason": match view.exact {
+                Some(_) => "twice the rounding of the file".into(),
+                None => tolerance_reason(tolerance, figures["noise_mm"].as_f64().unwrap_or(0.0)),
+            },
             "plane": view.plane.as_ref().map(|plane| plane.svg(k)),
             "measured": histograms(&view.measured, ends.measured, tolerance),
             "smoothed": histograms(&view.smoothed, ends.smoothed, tolerance),

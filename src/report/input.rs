@@ -4,9 +4,10 @@ use formats::points::Note;
 use formats::{LengthUnit, Points, Soup};
 
 use super::hints::likely_units;
-use super::{CloudFigures, CloudMeshFigures};
-use crate::convert::{InputReport, Inspection, Options, PieceReport, TargetShape};
+use super::{CloudFigures, CloudMeshFigures, SurfaceCounts};
+use crate::convert::{ExactEstimate, InputReport, Inspection, Options, PieceReport, TargetShape};
 use crate::mesh::{Handle, Repairs};
+use crate::primitives::PrimitiveKind;
 use crate::stages::cloud;
 
 /// A scan as it was read.
@@ -190,6 +191,8 @@ pub struct InspectionFigures {
     pub pieces: Vec<PieceFigures>,
     /// About how many faces a solid or a shell gets.
     pub faces_about: Option<usize>,
+    /// The exact faces that it becomes, if it is the mesh of a CAD program.
+    pub exact: Option<EstimateFigures>,
     /// The handles and tunnels that a solid or a shell keeps. Their loops run along the edges of a coarse mesh.
     pub handles: Vec<HandleFigures>,
     /// The boundary loops. The list is empty for a one-sided surface.
@@ -198,6 +201,37 @@ pub struct InspectionFigures {
     pub left_out_triangles: usize,
     /// Standard deviation of the noise along the normal.
     pub noise_mm: f64,
+}
+
+/// The exact faces that a mesh of a CAD program becomes.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct EstimateFigures {
+    /// The number of surfaces of each kind, flat facets left out.
+    pub surfaces: SurfaceCounts,
+    /// The number of flat faces that are only facets.
+    pub facets: usize,
+    /// The radii of the cylinders, the widest first.
+    pub radii_mm: Vec<f64>,
+}
+
+impl EstimateFigures {
+    fn of(exact: &ExactEstimate) -> Self {
+        let count = |kind| exact.kinds.iter().filter(|&&of| of == kind).count();
+        EstimateFigures {
+            surfaces: SurfaceCounts {
+                plane: count(PrimitiveKind::Plane),
+                cylinder: count(PrimitiveKind::Cylinder),
+                cone: count(PrimitiveKind::Cone),
+                sphere: count(PrimitiveKind::Sphere),
+                torus: count(PrimitiveKind::Torus),
+                ..SurfaceCounts::default()
+            },
+            facets: exact.facets,
+            radii_mm: exact.radii.clone(),
+        }
+    }
 }
 
 /// One of several components of a scan.
@@ -259,6 +293,7 @@ impl InspectionFigures {
                 .collect(),
             pieces: found.pieces.iter().map(PieceFigures::of).collect(),
             faces_about: found.body.as_ref().map(|body| body.faces),
+            exact: found.exact.as_ref().map(EstimateFigures::of),
             handles: found
                 .body
                 .iter()

@@ -22,10 +22,13 @@ mod hints;
 mod input;
 #[cfg(feature = "json")]
 mod json;
+mod relations;
 mod settings;
 mod shape;
 mod unused;
 
+#[cfg(feature = "picture")]
+mod exact_edges;
 #[cfg(feature = "picture")]
 mod exact_view;
 #[cfg(feature = "picture")]
@@ -43,6 +46,8 @@ mod view;
 mod bars;
 #[cfg(feature = "html")]
 mod command;
+#[cfg(feature = "html")]
+mod exact_rows;
 #[cfg(feature = "html")]
 mod face_mesh;
 #[cfg(feature = "html")]
@@ -64,7 +69,10 @@ pub use figures::{
     MapFigures, SmoothFigures, SurfaceFitFigures, ThinFigures, TrimFigures, TrimOf,
 };
 pub use hints::likely_unit;
-pub use input::{InputFigures, InspectionFigures, PieceFigures, RimFigures, ScanSource};
+pub use input::{
+    EstimateFigures, InputFigures, InspectionFigures, PieceFigures, RimFigures, ScanSource,
+};
+pub use relations::RelationFigures;
 pub use settings::{Setting, Settings};
 pub use shape::{PatchFigures, SeamFigures, ShapeFigures, SurfaceCounts};
 #[cfg(feature = "picture")]

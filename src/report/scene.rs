@@ -72,6 +72,10 @@ fn part(view: &ReportView, middle: Point) -> Value {
         "face": face,
         "rims": rims.collect::<Vec<_>>(),
         "edges": edges.collect::<Vec<_>>(),
+        "smooth": view.smooth_edges.iter().map(|edge| places(edge.iter().copied(), middle))
+            .collect::<Vec<_>>(),
+        "spots": view.exact.iter().flat_map(|exact| exact.spots())
+            .map(|(p, text)| json!({ "at": at(p), "text": text })).collect::<Vec<_>>(),
         "irregular": places(view.irregular.iter().copied(), middle),
         "net": { "rows": rows, "columns": columns,
             "points": places(net.iter().copied(), middle) },

@@ -38,6 +38,11 @@ const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
 /// The size of the dots at irregular vertices.
 const DOT: Pen = Pen::solid(4.5);
 
+/// The pens for seams of B-spline faces, and for edges of exact faces at which these turn or do not.
+const SEAM: Pen = Pen::solid(0.7);
+const SHARP_EDGE: Pen = Pen::solid(1.5);
+const SMOOTH_EDGE: Pen = Pen { seen: 0.35, ..Pen::solid(0.7) };
+
 /// Draws a picture of 1600 × 1000 pixels as PNG: the scan from three sides in the colours of its
 /// deviation from the face, the histogram of the deviation, and the figures that matter most.
 /// `name` stands above them.
@@ -126,13 +131,19 @@ fn side(views: &[ReportView], camera: &Camera, size: [usize; 2], end: f64) -> Im
         sheet::draw_coloured(&mut canvas, &view.scan.mesh, camera, &SIGNED, share);
     }
     for view in views {
-        let mut seams = Lines::over(&canvas);
-        for seam in &view.seams {
-            let points = seam.iter().map(|p| camera.project(p));
-            seams.polyline(&canvas, points, Pen::solid(0.7));
-        }
+        let lines = |edges: &[Vec<Point>], pen| {
+            let mut lines = Lines::over(&canvas);
+            for edge in edges {
+                lines.polyline(&canvas, edge.iter().map(|p| camera.project(p)), pen);
+            }
+            lines
+        };
+        let smooth = lines(&view.smooth_edges, SMOOTH_EDGE);
+        let sharp = if view.exact.is_some() { SHARP_EDGE } else { SEAM };
+        let seams = lines(&view.seams, sharp);
         let mut dots = Lines::over(&canvas);
         view.irregular.iter().for_each(|p| dots.point(&canvas, camera.project(p), DOT));
+        smooth.ink(&mut canvas, linear(INK));
         seams.ink(&mut canvas, linear(INK));
         dots.ink(&mut canvas, linear(DOTS));
         let rims = sheet::rims(&canvas, &view.scan.mesh, view.rims.iter(), camera, Pen::solid(1.4));
@@ -216,13 +227,18 @@ impl Page {
             self.write(&plural(count, name), [left, row as f32 + 18.0], SMALL);
             row += ROW;
         }
-        let rows: Vec<&String> = views.iter().flat_map(|view| &view.cylinders).collect();
+        let rows: Vec<String> = views.iter().flat_map(|view| view.cylinders()).collect();
         if rows.is_empty() {
             return;
         }
         row += ROW;
         self.write("Cylinders", [x as f32, row as f32], Style { bold: true, ..SMALL });
-        let room = (SIZE[1] - MARGIN).saturating_sub(row) / ROW;
+        // Each component counts its own cylinders.
+        let relations = match views {
+            [only] => only.figures.relation_phrases(),
+            _ => Vec::new(),
+        };
+        let room = ((SIZE[1] - MARGIN).saturating_sub(row) / ROW).saturating_sub(relations.len());
         let shown = if rows.len() > room { room.saturating_sub(1) } else { rows.len() };
         for text in &rows[..shown] {
             row += ROW;
@@ -230,7 +246,12 @@ impl Page {
         }
         if shown < rows.len() {
             let more = format!("and {} more in the report", rows.len() - shown);
-            self.write(&more, [x as f32, (row + ROW) as f32], SMALL);
+            row += ROW;
+            self.write(&more, [x as f32, row as f32], SMALL);
+        }
+        for text in &relations {
+            row += ROW;
+            self.write_within(text, [x as f32, row as f32], SMALL);
         }
     }
 

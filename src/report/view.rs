@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::exact_edges::{ExactEdges, polyline as edge_line};
 use super::exact_view::ExactView;
 #[cfg(feature = "html")]
 use super::face_mesh::FaceMesh;
@@ -50,8 +51,10 @@ pub struct ReportView {
     pub(super) smoothed: Vec<f32>,
     /// The figures beside the pictures.
     pub(super) figures: ViewFigures,
-    /// The seams between the faces.
+    /// The seams between the faces. Of exact faces: the sharp edges.
     pub(super) seams: Vec<Vec<Point>>,
+    /// The edges at which exact faces run smoothly into each other.
+    pub(super) smooth_edges: Vec<Vec<Point>>,
     /// The vertices at which other than four faces meet.
     pub(super) irregular: Vec<Point>,
     /// The exact faces.
@@ -132,7 +135,8 @@ impl ViewRecorder {
                 view.show_network(fit, disk.holes.len(), parts);
             }
             BodyFit::Exact(fit) => {
-                view.seams = seams(&body.brep);
+                let edges = ExactEdges::of(&body.brep, fit);
+                (view.seams, view.smooth_edges) = (edges.sharp, edges.smooth);
                 view.exact = Some(ExactView::of(fit));
                 #[cfg(feature = "html")]
                 view.show_exact(fit, parts);
@@ -189,6 +193,7 @@ impl ReportView {
             measured,
             figures,
             seams: Vec::new(),
+            smooth_edges: Vec::new(),
             irregular: Vec::new(),
             exact: None,
             scan,
@@ -243,18 +248,9 @@ impl ReportView {
     }
 }
 
-/// The number of points along a seam.
-const SEAM_POINTS: usize = 24;
-
 /// The edges of a body's faces.
 fn seams(brep: &formats::Brep) -> Vec<Vec<Point>> {
-    let points = |edge: &formats::brep::Edge| {
-        let curve = &edge.curve;
-        let (low, high) = curve.range();
-        let at = |i: usize| low + (high - low) * i as f64 / SEAM_POINTS as f64;
-        (0..=SEAM_POINTS).map(|i| Point::from(curve.point(at(i)))).collect()
-    };
-    brep.edges.iter().map(points).collect()
+    brep.edges.iter().map(edge_line).collect()
 }
 
 /// The irregular vertices that the loops leave.

@@ -7,7 +7,7 @@ import FreeCADGui
 import scan2step
 from PySide import QtGui
 
-from . import convert, deviation, feature, legend, panel
+from . import convert, deviation, feature, legend, panel, part
 from .view import ICONS
 
 
@@ -136,6 +136,8 @@ def inspection(label, found):
         f"noise {found['noise_mm']:.4g} mm",
         f"becomes a {becomes}" + (f" of about {faces} faces" if faces else ""),
     ]
+    if found["exact"]:
+        lines[-1] += " of exact faces: " + part.kinds({"shape": found["exact"]})
     for handle in found["handles"][:12]:
         x, y, z = handle["at"]
         lines.append(f"handle, about {handle['length_mm']:.4g} mm around, near ({x:.3f}, {y:.3f}, {z:.3f})")

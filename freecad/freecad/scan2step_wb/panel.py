@@ -5,6 +5,7 @@ import FreeCADGui
 from PySide import QtCore, QtGui
 
 from . import convert, feature, legend
+from .part_view import PartView
 from .worker import Stopped, Worker
 
 TITLES = {
@@ -61,8 +62,11 @@ class Panel:
         layout.addLayout(row)
         layout.addWidget(self.bar)
         layout.addWidget(self.said)
+        self.part = PartView()
+        layout.addWidget(self.part)
         layout.addStretch(1)
         if obj is not None:
+            self.part.show_result(obj)
             self.set_values(feature.values(obj))
             self.fields["tolerance"].setPlaceholderText(f"from the noise: {obj.ToleranceFound.Value:.4g}")
 
@@ -159,6 +163,7 @@ class Panel:
             f"Deviation {made.rms:.4g} mm rms, {made.max:.4g} mm at most.",
         ]
         self.said.setText("\n".join(lines + list(made.hints)))
+        self.part.show_result(self.object)
 
     def tell_error(self, error):
         text, help = str(error), getattr(error, "help", "")

@@ -178,12 +178,14 @@ for (const element of document.querySelectorAll("[data-hole]")) {
   element.addEventListener("blur", () => light_(null));
 }
 
-// The places of the largest deviations, which the keyboard reaches, too.
-for (const row of document.querySelectorAll("[data-place]")) {
-  const [part, number] = row.dataset.place.split("-");
-  const { at, mm } = scene.parts[part].places[number];
+// The places of the largest deviations, of bores and of facets, which the keyboard reaches, too.
+for (const row of document.querySelectorAll("[data-place], [data-spot]")) {
+  const isSpot = row.dataset.spot !== undefined;
+  const [part, number] = (isSpot ? row.dataset.spot : row.dataset.place).split("-");
+  const found = scene.parts[part][isSpot ? "spots" : "places"][number];
+  const shown = { at: found.at, text: isSpot ? found.text : `${signed(found.mm)} mm` };
   const mark = chosen => { place = chosen; row.classList.toggle("on", Boolean(chosen)); draw(); };
-  for (const event of ["pointerenter", "focus"]) row.addEventListener(event, () => mark({ at, text: `${signed(mm)} mm` }));
+  for (const event of ["pointerenter", "focus"]) row.addEventListener(event, () => mark(shown));
   for (const event of ["pointerleave", "blur"]) row.addEventListener(event, () => mark(null));
 }
 

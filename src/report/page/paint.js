@@ -81,6 +81,7 @@ function paint() {
   for (const part of parts) {
     if (checked("show-scan")) strokes(part.rims, 1.2, [...ink, 0.8], 0.003);
     if (checked("show-edges") || (checked("show-face") && !checked("show-scan"))) {
+      strokes(part.smooth(), 1, [...ink, 0.45], 0.005);
       strokes(part.edges(), 2, [...ink, 1], 0.005);
       strokes(part.dots(), 7, [0.7, 0.15, 0.12, 1], 0.006);
     }

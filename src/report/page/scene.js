@@ -70,6 +70,7 @@ const parts = scene.parts.map((part, number) => {
     dots: once(() => lines(points_(floats(part.irregular)))),
     rims: lines(segments(rims.map(rim => rim.points))),
     edges: once(() => lines(segments(part.edges.map(edge => floats(edge.points))))),
+    smooth: once(() => lines(segments(part.smooth.map(floats)))),
     net: once(() => lines(netLines(part.net))),
     holes, tolerance: part.tolerance, worst: part.worst, places: part.places,
   };

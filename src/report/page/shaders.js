@@ -49,7 +49,7 @@ const sheet = program(`
     gl_Position = place(s + vec3(0.0, 0.0, sink));
   }`, `
   in vec3 n; in float d; out vec4 colour; ${light}
-  uniform vec3 scale[9]; uniform float end; uniform bool absolute, only, tinted; uniform int kind; uniform vec3 tints[6]; uniform float tolerance; uniform vec3 front, back;
+  uniform vec3 scale[9]; uniform float end; uniform bool absolute, only, tinted; uniform int kind; uniform vec3 tints[${scene.tints.length}]; uniform float tolerance; uniform vec3 front, back;
   // Bright and dark lamps across, mirrored in the sheet: a kink breaks the stripes, a jump of curvature bends them sharply.
   vec3 zebra(vec3 m) {
     float across = ${STRIPES.toFixed(1)} * acos(clamp(2.0 * m.z * m.y, -1.0, 1.0)) / 3.14159265;
