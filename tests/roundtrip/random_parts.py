@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Makes random parts of boxes, cylinders, cones, balls and rings, and judges STEP files of them, with OpenCASCADE.
 
-    python random_parts.py make FOLDER FIRST COUNT
-    python random_parts.py check FOLDER FIRST COUNT
+    python random_parts.py make FOLDER SEED ...
+    python random_parts.py check FOLDER SEED ...
 
 `make` writes FOLDER/SEED.stl, which is binary, and FOLDER/SEED.json, the truth. A seed always gives the same part.
 Seeds whose last digit is even give parts as designers make them: along the axes, with sizes on a lattice. The others
@@ -254,40 +254,30 @@ def meshed(shape, deflection, angle):
         corners = np.array([found.Triangle(i).Get() for i in range(1, found.NbTriangles() + 1)]) - 1
         off = max(off, distances(face, points).max())
         if kind_of(face) != "plane":
-            guard += between(BRepAdaptor_Surface(face, False), found, points, corners)
+            guard += between(face, points, corners)
         if face.Orientation() == TopAbs_REVERSED:
             corners = corners[:, ::-1]
         triangles.append(points[corners])
     return np.concatenate(triangles), guard, off
 
 
-def between(surface, found, points, corners):
+def between(face, points, corners):
     """A bound of the volume between the triangles of a face and its surface: area times sagitta."""
-    parameters = np.array([(p.X(), p.Y()) for p in map(found.UVNode, range(1, found.NbNodes() + 1))])
-    total = 0.0
-    for triangle in corners:
-        a, b, c = points[triangle]
-        normal = np.cross(b - a, c - a)
-        length = np.linalg.norm(normal)
-        if length == 0.0:
-            continue
-        of_corners = parameters[triangle]
-        middles = [of_corners.mean(0), *(of_corners + np.roll(of_corners, 1, axis=0)) / 2]
-        sagittas = [(occ.xyz(surface.Value(*middle)) - a) @ normal / length for middle in middles]
-        total += length / 2 * np.abs(sagittas).max()
-    return total
+    a, b, c = points[corners].transpose(1, 0, 2)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    middles = ((a + b + c) / 3, (a + b) / 2, (b + c) / 2, (c + a) / 2)
+    return float(areas @ np.max([distances(face, middle) for middle in middles], axis=0))
 
 
 def assert_closed(triangles):
     """Whether each edge has exactly two triangles, one in each sense, when equal corners are one."""
     corners = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3)
-    seen = {}
-    for triangle in corners:
-        if len(set(triangle)) < 3:
-            raise Impossible("a triangle has no area in numbers of 32 bits")
-        for a, b in zip(triangle, np.roll(triangle, -1)):
-            seen[a, b] = seen.get((a, b), 0) + 1
-    if any(count > 1 or (b, a) not in seen for (a, b), count in seen.items()):
+    start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    if (start == end).any():
+        raise Impossible("a triangle has no area in numbers of 32 bits")
+    there = np.unique(np.stack((start, end)), axis=1)
+    back = np.unique(np.stack((end, start)), axis=1)
+    if there.shape[1] < len(start) or not np.array_equal(there, back):
         raise Impossible("the mesh is not closed, or touches itself along an edge")
 
 
@@ -371,11 +361,10 @@ def check(path):
 
 
 def main():
-    task, folder, first, count = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
-    seeds = range(first, first + count)
+    task, folder, *seeds = sys.argv[1:]
     if task == "make":
         for seed in seeds:
-            make(folder, seed)
+            make(folder, int(seed))
     else:
         found = {seed: check(os.path.join(folder, f"{seed}.step")) for seed in seeds}
         json.dump(found, occ.ANSWER)
