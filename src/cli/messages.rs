@@ -170,7 +170,7 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
         "{of}surfaces: exact, as the vertices lie on them within the rounding of the file (--surfaces spline to change)"
     ));
     for fallback in &exact.fallbacks {
-        let (kind, p) = (fallback.kind.name(), fallback.place);
+        let (kind, p) = (fallback.kind, fallback.place);
         progress.say(&format!(
             "{of}facets: {} of a {kind} near ({:.3}, {:.3}, {:.3}), as {}",
             plural(fallback.triangles, "triangle"),

@@ -9,11 +9,10 @@ use crate::deviation::{Deviation, FaceToScan, TrimmedFace, of_network};
 use crate::error::{BrepFault, Error, Result};
 use crate::geometry::Point;
 use crate::mesh::{Mesh, Triangles, VertexMap};
-use crate::primitives::Primitive;
 use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::adapt::Adapted;
 use crate::stages::regions::Snap;
-use crate::stages::seams::Fallback;
+use crate::stages::seams::{FaceSurface, Fallback};
 use crate::stages::{fill, layout, net, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
 
@@ -120,11 +119,11 @@ pub struct ExactFit {
 }
 
 /// An exact face. Lengths are in mm.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct ExactFace {
     /// The surface.
-    pub surface: Primitive,
+    pub surface: FaceSurface,
     /// +1 if the outside of the part is where the distance to the surface is positive, -1 otherwise.
     pub side: f64,
     /// Whether the surface is only the plane of facets.

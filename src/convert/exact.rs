@@ -1,17 +1,19 @@
 //! The way from a clean mesh to a solid of exact faces: mesh → regions → seams → deviation. A mesh is clean if a CAD
 //! program made it, so that its vertices lie on their surfaces within the rounding of the file.
 
+use std::sync::Arc;
+
 use super::conversion::{Body, BodyFit, ExactFace, ExactFit, Missed};
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
-use super::{Options, TargetShape};
+use super::{Options, TargetShape, sheet};
 use crate::deviation::{Deviation, FaceToScan};
 use crate::error::Result;
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Choice, Components, Mesh};
 use crate::primitives::PrimitiveKind;
 use crate::stages::regions::{self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation};
-use crate::stages::seams::{self, FacePatch};
+use crate::stages::seams::{self, FacePatch, FaceSurface};
 use crate::stages::{fill, smooth};
 use crate::words::plural;
 
@@ -179,14 +181,10 @@ fn body(
     watch(Stage::Mesh(&disk))?;
     let mesh = disk.mesh;
     watch(Stage::Regions(&regions))?;
-    let patches = regions.regions.iter().map(|region| FacePatch {
-        surface: region.surface.scaled(mm),
-        side: region.side,
-        is_facet: region.origin == RegionOrigin::Facet,
-        triangles: region.triangles.clone(),
-    });
+    let rounding = errors.iter().copied().fold(0.0, f64::max);
+    let patches = patches(&mesh, &regions, mm, rounding);
     let named = seams::Options { name: options.name.clone() };
-    let (mut brep, report) = match seams::solid(&mesh, &errors, patches.collect(), &named) {
+    let (mut brep, report) = match seams::solid(&mesh, &errors, patches, &named) {
         Ok(made) => made,
         Err(why) => return Ok(Err(why.to_string())),
     };
@@ -213,7 +211,6 @@ fn body(
         )));
     }
     watch(Stage::Deviation)?;
-    let rounding = errors.iter().copied().fold(0.0, f64::max);
     let tolerance = options.tolerance.unwrap_or(regions::MOST_ERRORS * rounding);
     // Half a step of each of three numbers is a bound, and steps are spread evenly.
     let noise = rounding / 3.0;
@@ -250,6 +247,41 @@ fn body(
             explained: distances.explained,
         })),
     }))
+}
+
+/// The patches of the regions. Smooth pieces of unknown kind get B-spline surfaces, and stay facets where the
+/// fit fails.
+fn patches(mesh: &Mesh, regions: &Regions, mm: f64, rounding: f64) -> Vec<FacePatch> {
+    let mut is_smooth = vec![false; mesh.triangles.len()];
+    let mut patches = Vec::new();
+    for triangles in &regions.smooth {
+        let sheet = match sheet::sheet(mesh, triangles, rounding) {
+            Ok(sheet) => sheet,
+            Err(why) => {
+                eprintln!("sheet of {} triangles: {why}", triangles.len());
+                continue;
+            }
+        };
+        eprintln!(
+            "sheet of {} triangles: {}x{} within {:.2e} chord {:.2e}",
+            triangles.len(),
+            sheet.surface().u.functions(),
+            sheet.surface().v.functions(),
+            sheet.within(),
+            sheet.chord_error()
+        );
+        triangles.iter().for_each(|&t| is_smooth[t as usize] = true);
+        let surface = FaceSurface::Spline(Arc::new(sheet));
+        patches.push(FacePatch { surface, side: 1.0, is_facet: false, triangles: triangles.clone() });
+    }
+    let rest = regions.regions.iter().filter(|region| !is_smooth[region.triangles[0] as usize]);
+    let exact = rest.map(|region| FacePatch {
+        surface: region.surface.scaled(mm).into(),
+        side: region.side,
+        is_facet: region.origin == RegionOrigin::Facet,
+        triangles: region.triangles.clone(),
+    });
+    exact.chain(patches).collect()
 }
 
 /// How far the vertices and the triangles of a mesh are from the surfaces of their faces.
@@ -297,7 +329,8 @@ impl Distances {
                 middles.push((middle, patch.surface.distance(middle).0.abs()));
             }
             let rms = (squares / vertices.len().max(1) as f64).sqrt();
-            let FacePatch { surface, side, is_facet, .. } = *patch;
+            let FacePatch { side, is_facet, .. } = *patch;
+            let surface = patch.surface.clone();
             of_faces.push(ExactFace { surface, side, is_facet, rms, max, points: vertices.len() });
         }
         let (points, distances): (Vec<Point>, Vec<f64>) = middles.into_iter().unzip();

@@ -23,6 +23,7 @@ mod places;
 mod refined;
 mod scan;
 mod shape;
+mod sheet;
 mod stage;
 
 pub use cloud::{cloud_components, mesh_components};

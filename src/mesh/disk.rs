@@ -57,6 +57,15 @@ impl Disk {
         Disk { mesh: self.mesh.scaled(factor), ..self }
     }
 
+    /// Makes a disk of a connected, oriented mesh.
+    ///
+    /// # Errors
+    /// It is none.
+    pub(crate) fn of(mesh: Mesh) -> Result<Self> {
+        let edges = EdgeMap::new(&mesh);
+        Disk::new(mesh, &edges, Outer::Auto)
+    }
+
     /// Makes a disk of a connected, oriented mesh. The Euler characteristic decides whether it is
     /// one.
     pub(super) fn new(mesh: Mesh, edges: &EdgeMap, outer: Outer) -> Result<Self> {

@@ -155,7 +155,7 @@ impl FacetFigures {
     fn of(fallback: &Fallback) -> Self {
         let Fallback { kind, triangles, place, why } = fallback;
         FacetFigures {
-            surface: kind.name(),
+            surface: kind,
             triangles: *triangles,
             at: (*place).into(),
             why: why.clone(),
@@ -168,11 +168,13 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
     let mut found: Vec<(Primitive, CylinderFigures)> = Vec::new();
     let extents = extents(fit);
     for (number, face) in fit.faces.iter().enumerate() {
-        let Primitive::Cylinder { radius, axis, .. } = face.surface else { continue };
+        let Some(surface @ Primitive::Cylinder { radius, axis, .. }) = face.surface.exact() else {
+            continue;
+        };
         let kind = if face.side < 0.0 { "bore" } else { "shaft" };
         let [low, high] = extents[number];
         let is_same = |(other, row): &(Primitive, CylinderFigures)| {
-            row.kind == kind && is_one(other, &face.surface, (high - low).norm())
+            row.kind == kind && is_one(other, &surface, (high - low).norm())
         };
         if let Some((_, row)) = found.iter_mut().find(|row| is_same(row)) {
             let middle = Point::from(row.at);
@@ -195,7 +197,7 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
             sweep_deg: 0.0,
             faces: vec![number],
         };
-        found.push((face.surface, row));
+        found.push((surface, row));
     }
     let arcs = arcs(fit);
     let named = |(_, row): (Primitive, CylinderFigures)| {
@@ -234,8 +236,9 @@ fn is_one(a: &Primitive, b: &Primitive, length: f64) -> bool {
 /// The ends of the axis of each face.
 fn extents(fit: &ExactFit) -> Vec<[Point; 2]> {
     let lines = fit.faces.iter().map(|face| {
-        let surface = &face.surface;
-        (surface.origin(), surface.axis().unwrap_or_else(Vector::z))
+        let exact = face.surface.exact();
+        let origin = exact.map_or_else(Point::origin, |of| of.origin());
+        (origin, exact.and_then(|of| of.axis()).unwrap_or_else(Vector::z))
     });
     let lines: Vec<(Point, Vector)> = lines.collect();
     let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); lines.len()];
@@ -256,7 +259,8 @@ fn extents(fit: &ExactFit) -> Vec<[Point; 2]> {
 fn arcs(fit: &ExactFit) -> Vec<Vec<[f64; 2]>> {
     let mut arcs = vec![Vec::new(); fit.faces.len()];
     for (&face, &triangle) in fit.of_triangle.iter().zip(&fit.mesh.triangles) {
-        let Primitive::Cylinder { origin, axis, .. } = fit.faces[face as usize].surface else {
+        let exact = fit.faces[face as usize].surface.exact();
+        let Some(Primitive::Cylinder { origin, axis, .. }) = exact else {
             continue;
         };
         // The axes of two faces on one cylinder may be opposite.

@@ -9,17 +9,19 @@ use crate::report::picture::colour::{Rgb, TINTS, linear, srgb};
 use crate::words::mm;
 
 /// The kinds of faces, in the order of their colours.
-pub(super) const KINDS: [&str; 6] = ["plane", "cylinder", "cone", "sphere", "torus", "facet"];
+pub(super) const KINDS: [&str; 7] =
+    ["plane", "cylinder", "cone", "sphere", "torus", "facet", "B-spline"];
 
 /// The position of a face's kind among [`KINDS`].
 pub(super) fn kind_of(face: &ExactFace) -> usize {
     match face.surface.kind() {
         _ if face.is_facet => 5,
-        PrimitiveKind::Plane => 0,
-        PrimitiveKind::Cylinder => 1,
-        PrimitiveKind::Cone => 2,
-        PrimitiveKind::Sphere => 3,
-        PrimitiveKind::Torus => 4,
+        Some(PrimitiveKind::Plane) => 0,
+        Some(PrimitiveKind::Cylinder) => 1,
+        Some(PrimitiveKind::Cone) => 2,
+        Some(PrimitiveKind::Sphere) => 3,
+        Some(PrimitiveKind::Torus) => 4,
+        None => 6,
     }
 }
 

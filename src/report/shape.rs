@@ -178,12 +178,12 @@ impl PatchFigures {
     /// The figures of all exact faces.
     pub(super) fn exact(fit: &ExactFit) -> Vec<Self> {
         let face = |face: &ExactFace| PatchFigures {
-            surface: face.surface.kind().name(),
-            net: None,
+            surface: face.surface.name(),
+            net: face.surface.net(),
             rms_mm: face.rms,
             max_mm: face.max,
             points: face.points,
-            parameters: Some(SurfaceFigures::of(&face.surface)),
+            parameters: face.surface.exact().map(|exact| SurfaceFigures::of(&exact)),
         };
         fit.faces.iter().map(face).collect()
     }

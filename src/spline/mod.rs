@@ -17,6 +17,7 @@ mod network_cut;
 mod polynomials;
 mod refine;
 mod samples;
+mod sheet;
 pub(crate) mod spans;
 pub mod subdivision;
 mod surface;
@@ -36,6 +37,7 @@ pub use network_cut::{
 pub(crate) use polynomials::fast_evaluator;
 pub(crate) use refine::refined;
 pub use samples::Samples;
+pub use sheet::SplineSheet;
 pub use surface::{Jet, ParametricSurface, Surface};
 
 /// The relative accuracy of places: a share of the diagonal, of a distance if that is longer, or of the

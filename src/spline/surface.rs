@@ -35,12 +35,24 @@ impl Jet {
     /// The mean curvature in 1/mm: positive where the surface bulges to the side of its normal, 0 at
     /// a place without a normal.
     pub fn mean_curvature(&self) -> f64 {
+        self.curvatures()[0]
+    }
+
+    /// The mean and the Gaussian curvature; 0 at a place without a normal.
+    fn curvatures(&self) -> [f64; 2] {
         let cross = self.su.cross(&self.sv);
-        let Some(normal) = cross.try_normalize(0.0) else { return 0.0 };
+        let Some(normal) = cross.try_normalize(0.0) else { return [0.0; 2] };
         let (e, f, g) = (self.su.dot(&self.su), self.su.dot(&self.sv), self.sv.dot(&self.sv));
         let [l, m, n] = [self.suu, self.suv, self.svv].map(|second| second.dot(&normal));
         let mean = (2.0 * f * m - e * n - g * l) / (2.0 * cross.norm_squared());
-        if mean.is_finite() { mean } else { 0.0 }
+        let gaussian = (l * n - m * m) / cross.norm_squared();
+        [mean, gaussian].map(|of| if of.is_finite() { of } else { 0.0 })
+    }
+
+    /// The larger of the absolute principal curvatures in 1/mm.
+    pub(crate) fn largest_curvature(&self) -> f64 {
+        let [mean, gaussian] = self.curvatures();
+        mean.abs() + (mean * mean - gaussian).max(0.0).sqrt()
     }
 }
 
@@ -137,7 +149,7 @@ impl Surface {
 }
 
 /// The operations of a surface that foot points and deviations use.
-pub trait ParametricSurface: Sync {
+pub trait ParametricSurface: Send + Sync {
     /// The point and the first and second derivatives at `at`.
     fn jet(&self, at: Uv) -> Jet;
 

@@ -18,7 +18,8 @@ pub const INK: [u8; 3] = srgb(0x1c2430);
 /// Dots at irregular vertices.
 pub const DOTS: [u8; 3] = srgb(0xb3261e);
 /// The tints of blocks and faces. Neighbours have different ones nearly everywhere.
-pub const TINTS: [u32; 6] = [0xd8c9a8, 0xb7cbd6, 0xc6d3b2, 0xdcb9a9, 0xc9bfd9, 0xe6dfb4];
+pub const TINTS: [u32; 7] =
+    [0xd8c9a8, 0xb7cbd6, 0xc6d3b2, 0xdcb9a9, 0xc9bfd9, 0xe6dfb4, 0xa9d2c4];
 
 /// What a sheet is made of.
 #[derive(Debug, Clone, Copy)]

@@ -48,6 +48,9 @@ pub struct Regions {
     pub regions: Vec<FaceRegion>,
     /// For each triangle the number of its region.
     pub of_triangle: Vec<u32>,
+    /// Left-over facets that continue each other smoothly and are many: faces of other kinds. Each is the list of its
+    /// triangles, ascending.
+    pub smooth: Vec<Vec<u32>>,
     /// What was moved within the rounding.
     pub snaps: Vec<Snap>,
     /// Prisms of few sides, flat or not.
@@ -100,7 +103,7 @@ pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims, pairs: FlatPairs
         claims.regions.iter().map(|growth| curved(evidence, growth)).collect();
     let leftovers = leftovers(evidence, claims);
     for f in (0..claims.of.len() as u32).filter(|&f| claims.of[f as usize] == NONE) {
-        regions.push(flat(evidence, &leftovers, f));
+        regions.push(flat(evidence, leftovers.is_left[f as usize], f));
     }
     let mut of_triangle = vec![NONE; evidence.mesh.areas.len()];
     let (mut all, mut explained, mut significant) = (0.0, 0.0, 0.0);
@@ -114,15 +117,26 @@ pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims, pairs: FlatPairs
     let [explained, significant] =
         [explained, significant].map(|part| if all > 0.0 { part / all } else { 0.0 });
     let (snaps, prisms) = (Vec::new(), Vec::new());
-    Regions { regions, of_triangle, snaps, prisms, explained, pairs, significant }
+    let smooth = leftovers.smooth;
+    Regions { regions, of_triangle, smooth, snaps, prisms, explained, pairs, significant }
 }
 
 /// So many facets that continue each other smoothly are a curved face that was not found. A profile of fewer flat faces is
 /// usual.
 const FEWEST_LEFTOVERS: usize = 5;
 
-/// For each facet whether it belongs to a curved face that was not found.
-fn leftovers(evidence: &ExactFacets, claims: &Claims) -> Vec<bool> {
+/// More facets than these that continue each other smoothly are a face of another kind. Fewer do not tell its shape.
+const FEWEST_SMOOTH: usize = 50;
+
+/// Facets that belong to curved faces which were not found.
+struct Leftovers {
+    /// For each facet whether it is one.
+    is_left: Vec<bool>,
+    /// The triangles of those that are many.
+    smooth: Vec<Vec<u32>>,
+}
+
+fn leftovers(evidence: &ExactFacets, claims: &Claims) -> Leftovers {
     let facets = &evidence.facets.all;
     let is_free = |f: usize| claims.of[f] == NONE && !facets[f].is_flat;
     let smooth = |f: usize| facets[f].borders.iter().filter(|b| b.dihedral <= MOST_TURN);
@@ -140,7 +154,16 @@ fn leftovers(evidence: &ExactFacets, claims: &Claims) -> Vec<bool> {
             && smooth(f).any(|b| claims.of[b.facet as usize] != NONE);
         is_free(f) && (is_lost || sizes[sets.find(f)] >= FEWEST_LEFTOVERS)
     };
-    (0..facets.len()).map(&mut is_left).collect()
+    let is_left: Vec<bool> = (0..facets.len()).map(&mut is_left).collect();
+    let many = sets.members().into_iter().filter(|set| set.len() > FEWEST_SMOOTH);
+    let smooth = many.map(|set| {
+        let triangles = set.iter().flat_map(|&f| facets[f as usize].triangles.iter().copied());
+        let mut triangles: Vec<u32> = triangles.collect();
+        triangles.sort_unstable();
+        triangles
+    });
+    let smooth = smooth.collect();
+    Leftovers { is_left, smooth }
 }
 
 fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> FaceRegion {
@@ -161,7 +184,7 @@ fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> FaceRegion {
     }
 }
 
-fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> FaceRegion {
+fn flat(evidence: &ExactFacets, is_facet: bool, f: u32) -> FaceRegion {
     let facet = evidence.facets.get(f);
     let mut triangles = facet.triangles.clone();
     triangles.sort_unstable();
@@ -174,7 +197,6 @@ fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> FaceRegion {
     let surface = fitted.map_or(start, |fit| fit.surface);
     let motions = fitted.map_or(Motions::new(start, facet.centre, false), |fit| fit.motions);
     let covariance = fitted.map_or(Covariance::zeros(), |fit| fit.covariance);
-    let is_facet = leftovers[f as usize];
     let origin = if is_facet { RegionOrigin::Facet } else { RegionOrigin::Flat };
     FaceRegion { surface, side: 1.0, origin, triangles, vertices, motions, covariance }
 }

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector, SMatrix};
 
 use super::contact::touch;
 use super::network::ChainNetwork;
-use super::{EXACT, Work};
+use super::{EXACT, FaceSurface, Work};
 use crate::geometry::sets::Sets;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::primitives::{MOST_PARAMETERS, MotionRow, Motions, Primitive};
@@ -51,7 +51,8 @@ impl Work<'_> {
     /// Moves the surfaces. Those of a group stay if their vertices would leave them.
     pub(super) fn agree(&mut self, network: &ChainNetwork) {
         let mut meetings = self.meetings(network);
-        let before: Vec<Primitive> = self.patches.iter().map(|patch| patch.surface).collect();
+        let before: Vec<FaceSurface> =
+            self.patches.iter().map(|patch| patch.surface.clone()).collect();
         let mut is_stuck = vec![false; before.len()];
         for _ in 0..STEPS {
             let motions = self.motions();
@@ -79,14 +80,15 @@ impl Work<'_> {
         let of_vertex = |&v: &u32| Meeting {
             at: self.mesh.points[v as usize],
             error: self.errors[v as usize],
-            members: around[v as usize].clone(),
+            members: around[v as usize].iter().copied().filter(|&i| self.is_exact(i)).collect(),
         };
         let mut all: Vec<Meeting> = network.junctions.iter().map(of_vertex).collect();
         for chain in &network.chains {
             let sides = [chain.left, chain.right];
             let [a, b] = sides.map(|i| &self.patches[i]);
             let is_smooth = || touch(&a.surface, &b.surface, &chain.points, chain.error);
-            if !a.is_facet && !b.is_facet && is_smooth() {
+            let is_exact = sides.iter().all(|&i| self.is_exact(i));
+            if !a.is_facet && !b.is_facet && is_exact && is_smooth() {
                 let n = chain.points.len() - 1;
                 let points = [0, n / 3, 2 * n / 3, n].map(|k| chain.points[k]);
                 all.extend(points.map(|at| Meeting {
@@ -100,21 +102,26 @@ impl Work<'_> {
         all
     }
 
-    fn motions(&self) -> Vec<Motions> {
+    fn is_exact(&self, i: usize) -> bool {
+        self.patches[i].surface.exact().is_some()
+    }
+
+    /// The motions of the exact surfaces.
+    fn motions(&self) -> Vec<Option<Motions>> {
         let of = |patch: &super::FacePatch| {
             let corners = patch.triangles.iter().map(|&t| self.mesh.triangles[t as usize][0]);
             let n = patch.triangles.len().max(1) as f64;
             let sum: Vector = corners.map(|v| self.mesh.point(v).coords).sum();
-            Motions::new(patch.surface, Point::from(sum / n), false)
+            Some(Motions::new(patch.surface.exact()?, Point::from(sum / n), false))
         };
         self.patches.iter().map(of).collect()
     }
 
     /// The conditions of a meeting. Its point moves to where the surfaces are closest.
-    fn conditions(&self, meeting: &mut Meeting, motions: &[Motions]) -> Vec<Condition> {
+    fn conditions(&self, meeting: &mut Meeting, motions: &[Option<Motions>]) -> Vec<Condition> {
         let members = &meeting.members;
         let rows: Vec<(f64, MotionRow)> =
-            members.iter().map(|&i| motions[i].row(meeting.at)).collect();
+            members.iter().filter_map(|&i| Some(motions[i].as_ref()?.row(meeting.at))).collect();
         let mut normals: Vec<Vector> =
             members.iter().map(|&i| self.patches[i].surface.normal(meeting.at)).collect();
         for k in 0..members.len() {
@@ -154,8 +161,8 @@ impl Work<'_> {
     fn step(
         &mut self,
         group: &[Condition],
-        motions: &[Motions],
-        before: &[Primitive],
+        motions: &[Option<Motions>],
+        before: &[FaceSurface],
         is_stuck: &mut [bool],
     ) -> bool {
         let mut members: Vec<usize> =
@@ -163,7 +170,7 @@ impl Work<'_> {
         members.sort_unstable();
         members.dedup();
         let free: Vec<Option<Metric>> =
-            members.iter().map(|&i| self.mobility(i, &motions[i])).collect();
+            members.iter().map(|&i| self.mobility(i, motions[i].as_ref()?)).collect();
         let of_member = |k: usize, condition: &Condition| {
             let own = condition.slopes.iter().filter(|slope| slope.0 == members[k]);
             own.map(|slope| slope.1).sum::<MotionRow>()
@@ -186,23 +193,23 @@ impl Work<'_> {
         let found = matrix.cholesky().map(|of| of.solve(&right));
         let moved = found.and_then(|forces| {
             let of = |(k, free): (usize, &Option<Metric>)| {
-                let Some(free) = free else { return Some(self.patches[members[k]].surface) };
+                let Some(free) = free else { return self.patches[members[k]].surface.exact() };
                 let pull: MotionRow =
                     (0..group.len()).map(|n| of_member(k, &group[n]) * forces[n]).sum();
-                motions[members[k]].moved(&(free * pull))
+                motions[members[k]].as_ref()?.moved(&(free * pull))
             };
             free.iter().enumerate().map(of).collect::<Option<Vec<Primitive>>>()
         });
         let allowed = moved
-            .filter(|moved| members.iter().zip(moved).all(|(&i, surface)| self.holds(i, surface)));
+            .filter(|moved| members.iter().zip(moved).all(|(&i, to)| self.holds(i, &(*to).into())));
         match allowed {
             Some(moved) => {
-                members.iter().zip(moved).for_each(|(&i, to)| self.patches[i].surface = to);
+                members.iter().zip(moved).for_each(|(&i, to)| self.patches[i].surface = to.into());
                 true
             }
             None => {
                 for &i in &members {
-                    self.patches[i].surface = before[i];
+                    self.patches[i].surface = before[i].clone();
                     is_stuck[i] = true;
                 }
                 false
@@ -213,15 +220,16 @@ impl Work<'_> {
     /// The inverse of what motions of a surface do to the vertices of its patch.
     fn mobility(&self, i: usize, motions: &Motions) -> Option<Metric> {
         let patch = &self.patches[i];
-        let count = patch.surface.kind().parameters();
+        let exact = patch.surface.exact()?;
+        let count = exact.kind().parameters();
         let mut metric = Metric::zeros();
         for v in patch.triangles.iter().flat_map(|&t| self.mesh.triangles[t as usize]) {
             let (_, row) = motions.row(self.mesh.point(v));
             metric += row * row.transpose();
         }
-        let axis = match patch.surface {
+        let axis = match exact {
             Primitive::Plane { normal, .. } => Some(normal),
-            _ => patch.surface.axis(),
+            _ => exact.axis(),
         };
         if axis.is_some_and(|axis| axis.amax() == 1.0) {
             metric *= ALIGNED;
@@ -236,7 +244,7 @@ impl Work<'_> {
         Some(inverse)
     }
 
-    fn holds(&self, i: usize, surface: &Primitive) -> bool {
+    fn holds(&self, i: usize, surface: &FaceSurface) -> bool {
         let corners = self.patches[i].triangles.iter();
         let mut corners = corners.flat_map(|&t| self.mesh.triangles[t as usize]);
         corners.all(|v: VertexId| self.is_on(surface, v))

@@ -2,16 +2,23 @@
 
 use std::f64::consts::TAU;
 
+use std::sync::Arc;
+
 use formats::brep::{BrepSurface, Frame};
+use formats::spline::{SplineKnots, SplineSurface};
 
 use crate::geometry::{Point, Vector};
+use super::FaceSurface;
 use crate::primitives::Primitive;
+use crate::spline::{KnotVector, SplineSheet, Surface};
 
 /// A surface in a frame.
 #[derive(Debug, Clone)]
 pub(super) struct Chart {
     pub frame: Frame,
     pub surface: BrepSurface,
+    /// The B-spline, if the surface is one.
+    pub sheet: Option<Arc<SplineSheet>>,
 }
 
 pub(super) fn array(p: Point) -> [f64; 3] {
@@ -29,13 +36,26 @@ pub(super) fn around(angle: f64) -> f64 {
 
 impl Chart {
     /// The surface with its usual frame. A sphere has the given axis.
-    pub fn new(surface: &Primitive, axis: Vector) -> Result<Self, String> {
-        let z = match *surface {
-            Primitive::Plane { normal, .. } => normal,
-            _ => surface.axis().unwrap_or(axis),
+    pub fn new(surface: &FaceSurface, axis: Vector) -> Result<Self, String> {
+        let exact = match surface {
+            FaceSurface::Exact(exact) => exact,
+            FaceSurface::Spline(sheet) => {
+                let frame = Frame::along([0.0; 3], vector(axis))?;
+                let surface = BrepSurface::Spline(spline_surface(sheet.surface())?);
+                return Ok(Chart { frame, surface, sheet: Some(sheet.clone()) });
+            }
         };
-        let frame = Frame::along(array(surface.origin()), vector(z))?;
-        Ok(Chart::in_frame(surface, frame))
+        let z = match *exact {
+            Primitive::Plane { normal, .. } => normal,
+            _ => exact.axis().unwrap_or(axis),
+        };
+        let frame = Frame::along(array(exact.origin()), vector(z))?;
+        Ok(Chart::in_frame(exact, frame))
+    }
+
+    /// How far edges may be from the surface in mm, if it is not exact.
+    pub fn open(&self) -> f64 {
+        self.sheet.as_ref().map_or(0.0, |sheet| sheet.chord_error())
     }
 
     fn in_frame(surface: &Primitive, frame: Frame) -> Self {
@@ -46,7 +66,7 @@ impl Chart {
             Primitive::Sphere { radius, .. } => BrepSurface::sphere(frame, radius),
             Primitive::Torus { major, minor, .. } => BrepSurface::torus(frame, major, minor),
         };
-        Chart { frame, surface: made }
+        Chart { frame, surface: made, sheet: None }
     }
 
     /// The same surface with u = 0 where it was `u`.
@@ -56,6 +76,10 @@ impl Chart {
 
     /// The parameters of the closest point, and whether u is undefined there. Angles are in [-π, π].
     pub fn parameters(&self, p: Point) -> ([f64; 2], bool) {
+        if let Some(sheet) = &self.sheet {
+            let at = sheet.nearest(p);
+            return ([at.x, at.y], false);
+        }
         let [x, y, h] = self.frame.coordinates(array(p));
         let rho = x.hypot(y);
         let u = y.atan2(x);
@@ -110,6 +134,12 @@ impl Chart {
         }
         out
     }
+}
+
+fn spline_surface(surface: &Surface) -> Result<SplineSurface, String> {
+    let net = surface.net.iter().map(|&p| vector(p)).collect();
+    let knots = |of: &KnotVector| SplineKnots::new(of.degree(), of.knots().to_vec(), of.functions());
+    SplineSurface::new(knots(&surface.u)?, knots(&surface.v)?, net, None)
 }
 
 /// A point so close to the axis in mm has no angle about it: the modelling kernel's own precision.

@@ -1,6 +1,7 @@
 //! Points on two surfaces: where they cross by Newton's method, where they touch from the spine of the thinner one.
 
 use crate::geometry::{Point, Vector};
+use super::FaceSurface;
 use crate::primitives::Primitive;
 
 /// The farthest step count of Newton's method. It converges quadratically from the mesh's own points.
@@ -13,7 +14,7 @@ const NOTHING: f64 = 1e-13;
 const PARALLEL: f64 = 1e-12;
 
 /// The point of two surfaces that cross next to a point, by steps of least length.
-pub(super) fn crossing(a: &Primitive, b: &Primitive, start: Point) -> Point {
+pub(super) fn crossing(a: &FaceSurface, b: &FaceSurface, start: Point) -> Point {
     let mut p = start;
     for _ in 0..STEPS {
         let ((da, ga), (db, gb)) = (a.distance(p), b.distance(p));
@@ -97,8 +98,10 @@ fn across(a: &Primitive, b: &Primitive, p: Point, radius: f64) -> Option<Point> 
 const TURN: f64 = 16.0;
 
 /// Whether two surfaces touch along points instead of crossing. `error` bounds the errors of the points.
-pub(super) fn touch(a: &Primitive, b: &Primitive, points: &[Point], error: f64) -> bool {
-    let flat = a.radius().is_none() && b.radius().is_none();
+pub(super) fn touch(a: &FaceSurface, b: &FaceSurface, points: &[Point], error: f64) -> bool {
+    let bent = |of: &FaceSurface| of.exact().is_none_or(|exact| exact.radius().is_some());
+    let flat = !bent(a) && !bent(b);
+    let error = error + a.within() + b.within();
     !flat
         && points.iter().all(|&p| {
             let curvature = a.curvature(p).max(b.curvature(p));

@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, Matrix2, Vector2};
 use super::chart::{array, vector};
 use super::contact::{contact, crossing};
 use super::hermite::through;
+use super::FaceSurface;
 use super::network::Chain;
 use crate::geometry::{Point, Vector};
-use crate::primitives::{Primitive, PrimitiveKind};
 
 /// A conic fits exact points to this share of its size: rounding of the steps of its fit.
 const FITS: f64 = 1e-8;
@@ -27,31 +27,61 @@ const MOST_POINTS: usize = 1500;
 /// The fewest exact points of a chain: enough for an ellipse and its check.
 const FEWEST_POINTS: usize = 24;
 
+/// Fewer points are no evidence of an arc: an ellipse through five is always there.
+const FEWEST_OF_ARC: usize = 7;
+
 /// The points that a conic is fitted to. All points are compared with it.
 const FITTED: usize = 48;
 
 /// The surfaces of a chain.
 pub(super) struct Pair<'a> {
-    pub a: &'a Primitive,
-    pub b: &'a Primitive,
+    pub a: &'a FaceSurface,
+    pub b: &'a FaceSurface,
     pub touches: bool,
 }
 
+/// A spline near a B-spline face lies on its surfaces within this share of what the vertices do.
+const SHARE: f64 = 0.25;
+
 impl Pair<'_> {
     fn is_flat(&self) -> bool {
-        [self.a, self.b].iter().all(|s| s.kind() == PrimitiveKind::Plane)
+        self.a.is_plane() && self.b.is_plane()
     }
 
     pub fn project(&self, p: Point) -> Point {
-        match (self.is_flat(), self.touches) {
-            (true, _) => p,
-            (_, true) => contact(self.a, self.b, p),
-            _ => crossing(self.a, self.b, p),
+        if self.is_flat() {
+            return p;
+        }
+        if !self.touches {
+            return crossing(self.a, self.b, p);
+        }
+        match (self.a.exact(), self.b.exact()) {
+            (Some(a), Some(b)) => contact(&a, &b, p),
+            (Some(exact), None) | (None, Some(exact)) => exact.closest(p),
+            (None, None) => nalgebra::center(&self.a.closest(p), &self.b.closest(p)),
         }
     }
 
+    /// Whether the border is where a B-spline touches another surface. Only the vertices of the mesh tell where it runs.
+    fn is_vague(&self) -> bool {
+        self.touches && (self.a.exact().is_none() || self.b.exact().is_none())
+    }
+
+    /// The distance of a point from the surfaces that hold the curve.
     fn off(&self, p: Point) -> f64 {
-        self.a.distance(p).0.abs().max(self.b.distance(p).0.abs())
+        let is_held = |of: &&FaceSurface| !self.is_vague() || of.exact().is_some();
+        let held = [self.a, self.b].into_iter().filter(is_held);
+        held.map(|of| of.distance(p).0.abs()).fold(0.0, f64::max)
+    }
+
+    /// How far a spline may be from the surfaces.
+    fn most_off(&self) -> f64 {
+        SPLINE.max(SHARE * self.a.within().max(self.b.within()))
+    }
+
+    /// How far curves may be from the surfaces in mm, if these are not exact.
+    pub fn open(&self) -> f64 {
+        self.a.within().max(self.b.within())
     }
 
     /// Replaces the points of a chain by more of them on both surfaces. The ends stay if they are vertices.
@@ -67,7 +97,7 @@ impl Pair<'_> {
             return Err("a border without a length".into());
         }
         let n = chain.points.len() - 1;
-        let parts = FEWEST_POINTS.div_ceil(n);
+        let parts = if self.is_vague() { 1 } else { FEWEST_POINTS.div_ceil(n) };
         let mut points = Vec::with_capacity(n * parts + 1);
         let mut size: f64 = 0.0;
         for pair in chain.points.windows(2) {
@@ -104,7 +134,8 @@ impl Pair<'_> {
         }
         let off = points.iter().map(|&p| self.off(p)).fold(0.0, f64::max);
         let lies = LIES.max(3.0 * off);
-        if let Some(curve) = elementary(points, chain.is_closed(), off)
+        let is_line = points.len() < FEWEST_OF_ARC;
+        if let Some(curve) = elementary(points, chain.is_closed(), off, is_line)
             && self.worst(&curve) <= lies
         {
             let worst = self.worst(&curve);
@@ -144,7 +175,7 @@ impl Pair<'_> {
                 let middle = Point::from(spline.point(0.5 * (t[i] + t[i + 1])));
                 let off = self.off(middle);
                 worst = worst.max(off);
-                if off > SPLINE {
+                if off > self.most_off() {
                     finer.push(self.project(middle));
                 }
                 finer.push(kept[i + 1]);
@@ -158,7 +189,7 @@ impl Pair<'_> {
 }
 
 /// The line or the arc through points, if there is one.
-fn elementary(points: &[Point], is_closed: bool, off: f64) -> Option<BrepCurve> {
+fn elementary(points: &[Point], is_closed: bool, off: f64, is_line: bool) -> Option<BrepCurve> {
     let n = points.len();
     let step = n.div_ceil(FITTED).max(1);
     let mut some: Vec<Point> = points.iter().copied().step_by(step).collect();
@@ -175,7 +206,7 @@ fn elementary(points: &[Point], is_closed: bool, off: f64) -> Option<BrepCurve> 
     if spread(1) < tolerance && !is_closed {
         return BrepCurve::line(array(points[0]), array(points[n - 1])).ok();
     }
-    if spread(2) > tolerance {
+    if is_line || spread(2) > tolerance {
         return None;
     }
     let (x, y) = (axis(0), axis(1));

@@ -1,25 +1,28 @@
 //! Faces: their loops with pcurves, and the seams of those that go around.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::collections::BTreeMap;
 
 use formats::brep::{Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId};
 
+use super::Work;
 use super::chart::{Chart, array};
+use super::domain::FacePlan;
 use super::fallback::SeamFault;
 use super::network::{ChainNetwork, ChainUse};
 use super::pcurves::pcurve;
-use super::winding::{FacePlan, Wrap};
-use super::{EXACT, Work};
+use super::perimeter::{Perimeter, PerimeterPlace, Stretch};
 use crate::geometry::Point;
 
 /// The samples of an edge that follow its parameters around the surface.
 const SAMPLES: usize = 25;
 
-/// One loop in the natural orientation of the surface, with the parameters of its uses in that direction.
+/// Consecutive uses in the natural orientation of the surface, with the parameters along each of them.
+#[derive(Clone)]
 struct EdgeRun {
     uses: Vec<ChainUse>,
-    /// For each use the parameters along it.
     uv: Vec<Vec<[f64; 2]>>,
+    /// Where it leaves the perimeter of the domain and where it comes back to it. A closed loop inside does neither.
+    ends: Option<[PerimeterPlace; 2]>,
 }
 
 impl EdgeRun {
@@ -49,6 +52,12 @@ impl EdgeRun {
     }
 }
 
+/// A part of a loop: a run, or a stretch along the perimeter.
+enum LoopPart {
+    Run(EdgeRun),
+    Seam(Stretch),
+}
+
 /// What the faces share.
 pub(super) struct FaceBuilder<'a> {
     pub work: &'a Work<'a>,
@@ -56,6 +65,16 @@ pub(super) struct FaceBuilder<'a> {
     pub brep: &'a mut Brep,
     /// The largest distance between an edge and its pcurves.
     pub gap: f64,
+}
+
+/// The seams of one face.
+struct Seams<'a> {
+    chart: &'a Chart,
+    perimeter: Perimeter,
+    /// The vertices on the cuts along v and along u, by their parameter there.
+    vertices: [Vec<(f64, VertexId)>; 2],
+    /// The edges between two neighbouring vertices on a cut.
+    edges: BTreeMap<(usize, usize, usize), (EdgeId, [f64; 2])>,
 }
 
 impl FaceBuilder<'_> {
@@ -70,12 +89,7 @@ impl FaceBuilder<'_> {
                 false => ring.iter().rev().map(|&(chain, forward)| (chain, !forward)).collect(),
             })
             .collect();
-        let made = match &plan.wrap {
-            Wrap::Not => self.plain(i, chart, &natural),
-            Wrap::Whole => self.whole(chart),
-            Wrap::U(pair) => self.wrapped_u(i, chart, &natural, pair),
-            Wrap::V(pair, seam) => self.wrapped_v(i, chart, &natural, pair, *seam),
-        };
+        let made = self.loops(plan, &natural);
         let mut loops = made.map_err(|why| SeamFault::new(&[i], why))?;
         if side < 0.0 {
             for ring in &mut loops {
@@ -86,6 +100,88 @@ impl FaceBuilder<'_> {
         let surface = self.brep.add_surface(chart.surface.clone());
         self.brep.add_face(Face { surface, forward: side > 0.0, loops });
         Ok(())
+    }
+
+    /// The loops of a face in the natural orientation of its surface, the outer one first.
+    fn loops(&mut self, plan: &FacePlan, natural: &[Vec<ChainUse>]) -> Result<Vec<Vec<EdgeUse>>, String> {
+        let chart = &plan.chart;
+        let perimeter = Perimeter::of(&chart.surface, plan.v);
+        let mut seams =
+            Seams { chart, perimeter, vertices: [Vec::new(), Vec::new()], edges: BTreeMap::new() };
+        let mut runs = Vec::new();
+        for ring in natural {
+            runs.extend(self.runs(&mut seams, ring)?);
+        }
+        let (open, closed): (Vec<EdgeRun>, Vec<EdgeRun>) =
+            runs.into_iter().partition(|run| run.ends.is_some());
+        let mut outer = traced(open, &perimeter)?;
+        let (around, holes): (Vec<EdgeRun>, Vec<EdgeRun>) =
+            closed.into_iter().partition(|run| run.area() > 0.0);
+        outer.extend(around.into_iter().map(|run| vec![LoopPart::Run(run)]));
+        if outer.is_empty() {
+            outer.push(perimeter.whole()?.into_iter().map(LoopPart::Seam).collect());
+        }
+        if outer.len() > 1 {
+            return Err(format!("{} outer loops", outer.len()));
+        }
+        let rings = outer.into_iter().chain(holes.into_iter().map(|run| vec![LoopPart::Run(run)]));
+        let mut made = Vec::new();
+        for ring in rings {
+            let mut uses = Vec::new();
+            for part in &ring {
+                match part {
+                    LoopPart::Run(run) => uses.extend(self.uses(chart, run)?),
+                    LoopPart::Seam(stretch) => uses.extend(self.stretch(&mut seams, stretch)?),
+                }
+            }
+            made.push(uses);
+        }
+        Ok(made)
+    }
+
+    /// The runs of a loop between its vertices on the perimeter, or the whole loop if it has none.
+    fn runs(&self, seams: &mut Seams, ring: &[ChainUse]) -> Result<Vec<EdgeRun>, String> {
+        let chart = seams.chart;
+        let on = |of: &ChainUse| {
+            let vertex = self.start_of(*of);
+            seams.perimeter.lines_at(chart, self.place(vertex), self.work.limit).map(|lines| (vertex, lines))
+        };
+        let at: Vec<Option<(VertexId, [bool; 3])>> = ring.iter().map(on).collect();
+        let Some(first) = at.iter().position(Option::is_some) else {
+            let mut run = self.run(chart, ring);
+            let [low, _] = seams.perimeter.cell;
+            let periods = chart.surface.periods();
+            let by = |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
+            run.shift([by(0), by(1)]);
+            return Ok(vec![run]);
+        };
+        let mut runs = Vec::new();
+        let n = ring.len();
+        let mut from = first;
+        while from < first + n {
+            let next = (from + 1..=first + n).find(|k| at[k % n].is_some()).unwrap_or(first + n);
+            let uses: Vec<ChainUse> = (from..next).map(|k| ring[k % n]).collect();
+            let mut run = self.run(chart, &uses);
+            let [low, _] = seams.perimeter.cell;
+            let periods = chart.surface.periods();
+            let by = |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
+            run.shift([by(0), by(1)]);
+            let ends = [(from, run.start()), (next, run.end())].map(|(k, uv)| {
+                let (vertex, lines) = at[k % n]?;
+                // All meridians meet at a pole.
+                for (line, is_on) in [(0, lines[0] || lines[2]), (1, lines[1])] {
+                    if is_on {
+                        seams.vertices[line].push((uv[1 - line], vertex));
+                    }
+                }
+                Some(seams.perimeter.place(lines, uv))
+            });
+            let [Some(start), Some(end)] = ends else { return Err("a loop that breaks off".into()) };
+            run.ends = Some([start, end]);
+            runs.push(run);
+            from = next;
+        }
+        Ok(runs)
     }
 
     fn run(&self, chart: &Chart, uses: &[ChainUse]) -> EdgeRun {
@@ -102,7 +198,7 @@ impl FaceBuilder<'_> {
             near = along.last().copied();
             uv.push(along);
         }
-        EdgeRun { uses: uses.to_vec(), uv }
+        EdgeRun { uses: uses.to_vec(), uv, ends: None }
     }
 
     fn uses(&mut self, chart: &Chart, run: &EdgeRun) -> Result<Vec<EdgeUse>, String> {
@@ -110,73 +206,13 @@ impl FaceBuilder<'_> {
         for (&(chain, forward), uv) in run.uses.iter().zip(&run.uv) {
             let near = if forward { uv[0] } else { uv[uv.len() - 1] };
             let (pcurve, gap) = pcurve(chart, &self.brep.edges[chain].curve, near)?;
-            if gap.is_nan() || gap > EXACT {
+            if gap.is_nan() || gap > self.work.limit.max(chart.open()) {
                 return Err(format!("an edge is {gap:.1e} mm off its face"));
             }
             self.gap = self.gap.max(gap);
             made.push(EdgeUse { edge: EdgeId(chain), forward, pcurve });
         }
         Ok(made)
-    }
-
-    /// The mean direction of the face's points in an angle.
-    fn middle(&self, i: usize, chart: &Chart, k: usize) -> f64 {
-        let mut sums = [0.0; 2];
-        for &t in &self.work.patches[i].triangles {
-            let corners = self.work.mesh.triangles[t as usize];
-            for p in self.work.mesh.corners(corners) {
-                let (sin, cos) = chart.parameters(p).0[k].sin_cos();
-                sums = [sums[0] + sin, sums[1] + cos];
-            }
-        }
-        sums[0].atan2(sums[1])
-    }
-
-    fn plain(
-        &mut self,
-        i: usize,
-        chart: &Chart,
-        natural: &[Vec<ChainUse>],
-    ) -> Result<Vec<Vec<EdgeUse>>, String> {
-        let periods = chart.surface.periods();
-        let mut runs = Vec::new();
-        for ring in natural {
-            let mut run = self.run(chart, ring);
-            let mut by = [0.0; 2];
-            if periods[0].is_some() {
-                by[0] = -TAU * (run.mean(0) / TAU).floor();
-            }
-            if periods[1].is_some() {
-                by[1] = TAU * ((self.middle(i, chart, 1) - run.mean(1)) / TAU).round();
-            }
-            run.shift(by);
-            runs.push(run);
-        }
-        let outer = runs.iter().filter(|run| run.area() > 0.0).count();
-        if outer != 1 {
-            return Err(format!("{outer} outer loops"));
-        }
-        runs.sort_by_key(|run| run.area() <= 0.0);
-        runs.iter().map(|run| self.uses(chart, run)).collect()
-    }
-
-    /// A run that starts on the seam.
-    fn seam_run(
-        &self,
-        chart: &Chart,
-        ring: &[ChainUse],
-        k: usize,
-        seam: f64,
-    ) -> Result<EdgeRun, String> {
-        for first in 0..ring.len() {
-            let p = self.place(self.start_of(ring[first]));
-            if chart.off_seam(p, k, seam) < EXACT {
-                let turned: Vec<ChainUse> =
-                    ring[first..].iter().chain(&ring[..first]).copied().collect();
-                return Ok(self.run(chart, &turned));
-            }
-        }
-        Err("a loop without a vertex on its seam".into())
     }
 
     fn start_of(&self, (chain, forward): ChainUse) -> VertexId {
@@ -187,78 +223,63 @@ impl FaceBuilder<'_> {
         Point::from(self.brep.vertices[v.0])
     }
 
-    fn wrapped_u(
-        &mut self,
-        i: usize,
-        chart: &Chart,
-        natural: &[Vec<ChainUse>],
-        pair: &[usize],
-    ) -> Result<Vec<Vec<EdgeUse>>, String> {
-        let (mut lower, mut upper) = (None, None);
-        for &number in pair {
-            let mut run = self.seam_run(chart, &natural[number], 0, 0.0)?;
-            let rises = run.end()[0] > run.start()[0];
-            let from = if rises { 0.0 } else { TAU };
-            run.shift([TAU * ((from - run.start()[0]) / TAU).round(), 0.0]);
-            *(if rises { &mut lower } else { &mut upper }) = Some(run);
+    /// The vertices on a cut in the order of their parameter, with those at the ends of a stretch.
+    fn vertices_of(&mut self, seams: &mut Seams, stretch: &Stretch) -> Vec<(f64, VertexId)> {
+        let line = stretch.line;
+        for end in stretch.range {
+            let is_there = |of: &&(f64, VertexId)| seams.perimeter.is_same(of.0, end, line);
+            if seams.vertices[line].iter().any(|of| is_there(&of)) {
+                continue;
+            }
+            let mut uv = [0.0, seams.perimeter.cell[0][1]];
+            uv[1 - line] = end;
+            let point = seams.chart.point(uv);
+            // A corner of the domain is on both cuts.
+            let all = seams.vertices.iter().flatten().map(|of| of.1);
+            let there = all.into_iter().find(|v| (self.place(*v) - point).norm() < self.work.limit);
+            let vertex = there.unwrap_or_else(|| self.brep.add_vertex(array(point)));
+            seams.vertices[line].push((end, vertex));
         }
-        let mut upper = upper.ok_or("loops that go around the same way")?;
-        let mut v = [0.0; 2];
-        let low = match &mut lower {
-            Some(lower) => {
-                if chart.surface.periods()[1].is_some() {
-                    let middle = self.middle(i, chart, 1);
-                    let (low, high) = (lower.start()[1], upper.start()[1]);
-                    lower.shift([0.0, TAU * ((middle - low) / TAU).floor()]);
-                    upper.shift([0.0, TAU * ((middle - high) / TAU).ceil()]);
+        let mut all = seams.vertices[line].clone();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.dedup_by(|a, b| seams.perimeter.is_same(a.0, b.0, line));
+        all.retain(|of| of.0 > stretch.range[0] || seams.perimeter.is_same(of.0, stretch.range[0], line));
+        all.retain(|of| of.0 < stretch.range[1] || seams.perimeter.is_same(of.0, stretch.range[1], line));
+        all
+    }
+
+    /// The uses of the edges along a stretch of the perimeter.
+    fn stretch(&mut self, seams: &mut Seams, stretch: &Stretch) -> Result<Vec<EdgeUse>, String> {
+        let line = stretch.line;
+        let mut uses = Vec::new();
+        for pair in self.vertices_of(seams, stretch).windows(2) {
+            let [(from, a), (to, b)] = [pair[0], pair[1]];
+            let key = (line, a.0, b.0);
+            let (edge, range) = match seams.edges.get(&key) {
+                Some(&(edge, range)) => (edge, range),
+                None => {
+                    let curve = match line {
+                        0 => self.meridian(seams.chart, [from, to], [a, b])?,
+                        _ => circle_of_latitude(seams, [from, to])?,
+                    };
+                    let (start, end) = curve.range();
+                    let edge = self.brep.add_edge(curve, [a, b]);
+                    seams.edges.insert(key, (edge, [start, end]));
+                    (edge, [start, end])
                 }
-                v[0] = lower.start()[1];
-                self.start_of(lower.uses[0])
-            }
-            None => {
-                v[0] = match chart.surface {
-                    BrepSurface::Cone { radius, half_angle, .. } => -radius / half_angle.tan(),
-                    _ => -FRAC_PI_2,
-                };
-                let pole = chart.surface.point(0.0, v[0]);
-                self.brep.add_vertex(pole)
-            }
-        };
-        v[1] = upper.start()[1];
-        let high = self.start_of(upper.uses[0]);
-        let laps = chart.surface.periods()[1].is_some_and(|period| v[1] - v[0] > period);
-        if v[0] >= v[1] || laps {
-            return Err("a seam that runs backwards".into());
+            };
+            let at = |along: f64| {
+                let mut uv = [stretch.at; 2];
+                uv[1 - line] = along;
+                uv
+            };
+            let pcurve = PCurve::line(at(from), at(to), (range[0], range[1]))?;
+            uses.push(EdgeUse { edge, forward: stretch.forward, pcurve });
         }
-        let curve = self.meridian(chart, v, [low, high])?;
-        let range = curve.range();
-        let seam = self.brep.add_edge(curve, [low, high]);
-        let at = |u: f64, forward: bool| -> Result<EdgeUse, String> {
-            let pcurve = PCurve::line([u, v[0]], [u, v[1]], range)?;
-            Ok(EdgeUse { edge: seam, forward, pcurve })
-        };
-        let mut outer = Vec::new();
-        if let Some(lower) = &lower {
-            outer.push(at(0.0, false)?);
-            outer.extend(self.uses(chart, lower)?);
-            outer.push(at(TAU, true)?);
-            outer.extend(self.uses(chart, &upper)?);
-        } else {
-            outer.extend(self.uses(chart, &upper)?);
-            outer.push(at(0.0, false)?);
-            outer.push(at(TAU, true)?);
+        if !stretch.forward {
+            uses.reverse();
         }
-        let near = 0.5 * (v[0] + v[1]);
-        let mut loops = vec![outer];
-        for (_, ring) in natural.iter().enumerate().filter(|(n, _)| !pair.contains(n)) {
-            let mut run = self.run(chart, ring);
-            let u = -TAU * (run.mean(0) / TAU).floor();
-            let turns = ((near - run.mean(1)) / TAU).round();
-            let v = if chart.surface.periods()[1].is_some() { TAU * turns } else { 0.0 };
-            run.shift([u, v]);
-            loops.push(self.uses(chart, &run)?);
-        }
-        Ok(loops)
+        Ok(uses)
     }
 
     /// The line of the surface at u = 0 between two values of v.
@@ -284,87 +305,55 @@ impl FaceBuilder<'_> {
         let frame = Frame::new(centre, frame.y().map(|e| -e), towards)?;
         BrepCurve::arc(&frame, radius, v[1] - v[0])
     }
+}
 
-    fn wrapped_v(
-        &mut self,
-        i: usize,
-        chart: &Chart,
-        natural: &[Vec<ChainUse>],
-        pair: &[usize],
-        seam: f64,
-    ) -> Result<Vec<Vec<EdgeUse>>, String> {
-        let BrepSurface::Torus { major, minor, .. } = chart.surface else {
-            return Err("a seam along u of no torus".into());
-        };
-        let (mut left, mut right) = (None, None);
-        for &number in pair {
-            let mut run = self.seam_run(chart, &natural[number], 1, seam)?;
-            let rises = run.end()[1] > run.start()[1];
-            let from = if rises { seam } else { seam + TAU };
-            let v = TAU * ((from - run.start()[1]) / TAU).round();
-            run.shift([-TAU * (run.mean(0) / TAU).floor(), v]);
-            *(if rises { &mut right } else { &mut left }) = Some(run);
-        }
-        let (Some(left), Some(right)) = (left, right) else {
-            return Err("loops that go around the same way".into());
-        };
-        let u = [left.start()[0], right.start()[0]];
-        if u[0] >= u[1] {
-            return Err(format!("a seam that runs backwards on face {i}"));
-        }
-        let frame = &chart.frame;
-        let (sin, cos) = seam.sin_cos();
-        let circle = frame.turned(u[0]).at(frame.point([0.0, 0.0, minor * sin]));
-        let curve = BrepCurve::arc(&circle, major + minor * cos, u[1] - u[0])?;
-        let range = curve.range();
-        let ends = [&left, &right].map(|run| self.start_of(run.uses[0]));
-        let edge = self.brep.add_edge(curve, ends);
-        let at = |v: f64, forward: bool| -> Result<EdgeUse, String> {
-            Ok(EdgeUse { edge, forward, pcurve: PCurve::line([u[0], v], [u[1], v], range)? })
-        };
-        let mut outer = vec![at(seam + TAU, false)?];
-        outer.extend(self.uses(chart, &left)?);
-        outer.push(at(seam, true)?);
-        outer.extend(self.uses(chart, &right)?);
-        let mut loops = vec![outer];
-        for (_, ring) in natural.iter().enumerate().filter(|(n, _)| !pair.contains(n)) {
-            let mut run = self.run(chart, ring);
-            let v = -TAU * ((run.mean(1) - seam) / TAU).floor();
-            run.shift([-TAU * (run.mean(0) / TAU).floor(), v]);
-            loops.push(self.uses(chart, &run)?);
-        }
-        Ok(loops)
-    }
+/// The circle of a torus on its cut along u between two values of u.
+fn circle_of_latitude(seams: &Seams, u: [f64; 2]) -> Result<BrepCurve, String> {
+    let BrepSurface::Torus { major, minor, .. } = seams.chart.surface else {
+        return Err("a seam along u of no torus".into());
+    };
+    let frame = &seams.chart.frame;
+    let (sin, cos) = seams.perimeter.cell[0][1].sin_cos();
+    let circle = frame.turned(u[0]).at(frame.point([0.0, 0.0, minor * sin]));
+    BrepCurve::arc(&circle, major + minor * cos, u[1] - u[0])
+}
 
-    /// The whole sphere with one seam between its poles, or the whole torus with two.
-    fn whole(&mut self, chart: &Chart) -> Result<Vec<Vec<EdgeUse>>, String> {
-        let of = |edge: EdgeId, forward: bool, ends: [[f64; 2]; 2], range: (f64, f64)| {
-            PCurve::line(ends[0], ends[1], range).map(|pcurve| EdgeUse { edge, forward, pcurve })
-        };
-        let frame = chart.frame;
-        if let BrepSurface::Torus { major, minor, .. } = chart.surface {
-            let corner = self.brep.add_vertex(chart.surface.point(0.0, 0.0));
-            let around = BrepCurve::circle(&frame, major + minor)?;
-            let tube =
-                Frame::new(frame.point([major, 0.0, 0.0]), frame.y().map(|e| -e), frame.x())?;
-            let tube = BrepCurve::circle(&tube, minor)?;
-            let range = (0.0, TAU);
-            let [a, b] = [around, tube].map(|curve| self.brep.add_edge(curve, [corner; 2]));
-            return Ok(vec![vec![
-                of(a, true, [[0.0, 0.0], [TAU, 0.0]], range)?,
-                of(b, true, [[TAU, 0.0], [TAU, TAU]], range)?,
-                of(a, false, [[0.0, TAU], [TAU, TAU]], range)?,
-                of(b, false, [[0.0, 0.0], [0.0, TAU]], range)?,
-            ]]);
+/// Loops of runs that begin and end on the perimeter, joined along it with the domain on the left.
+fn traced(mut left: Vec<EdgeRun>, perimeter: &Perimeter) -> Result<Vec<Vec<LoopPart>>, String> {
+    let mut loops = Vec::new();
+    while !left.is_empty() {
+        let first = left.remove(0);
+        let Some([begin, mut at]) = first.ends else { continue };
+        let mut ring = vec![LoopPart::Run(first)];
+        loop {
+            // The next run that begins along the perimeter, or the first one again.
+            let start = |run: &EdgeRun| run.ends.map_or(begin, |ends| ends[0]);
+            let next = (0..left.len())
+                .min_by(|&a, &b| perimeter.order(at, start(&left[a]), start(&left[b])));
+            let next = next.filter(|&k| perimeter.order(at, start(&left[k]), begin).is_le());
+            let to = next.map_or(begin, |k| start(&left[k]));
+            ring.extend(perimeter.between(at, to)?.into_iter().map(LoopPart::Seam));
+            let Some(k) = next else { break };
+            let run = left.remove(k);
+            at = run.ends.map_or(begin, |ends| ends[1]);
+            ring.push(LoopPart::Run(run));
         }
-        let v = [-FRAC_PI_2, FRAC_PI_2];
-        let ends = v.map(|v| self.brep.add_vertex(chart.surface.point(0.0, v)));
-        let curve = self.meridian(chart, v, ends)?;
-        let range = curve.range();
-        let seam = self.brep.add_edge(curve, ends);
-        Ok(vec![vec![
-            of(seam, true, [[TAU, v[0]], [TAU, v[1]]], range)?,
-            of(seam, false, [[0.0, v[0]], [0.0, v[1]]], range)?,
-        ]])
+        loops.push(in_order(ring));
     }
+    Ok(loops)
+}
+
+/// Readers take seams for what they are if the loop begins behind the one at the high end of u, or with that at the high
+/// end of v.
+fn in_order(mut ring: Vec<LoopPart>) -> Vec<LoopPart> {
+    let is = |part: &LoopPart, line: usize, forward: bool| {
+        matches!(part, LoopPart::Seam(of) if of.line == line && of.forward == forward)
+    };
+    if let Some(high) = ring.iter().position(|part| is(part, 0, true)) {
+        let n = ring.len();
+        ring.rotate_left((high + 1) % n);
+    } else if let Some(high) = ring.iter().position(|part| is(part, 1, false)) {
+        ring.rotate_left(high);
+    }
+    ring
 }

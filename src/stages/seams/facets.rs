@@ -2,7 +2,7 @@
 
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
-use super::{EXACT, FacePatch, Work};
+use super::{FacePatch, Work};
 use crate::geometry::{Point, Vector};
 use crate::primitives::Primitive;
 
@@ -60,7 +60,7 @@ impl Work<'_> {
             if self.patches[i].is_facet
                 && let Some(plane) = self.plane(&self.patches[i], &self.mesh.points)
             {
-                self.patches[i].surface = plane;
+                self.patches[i].surface = plane.into();
                 self.patches[i].side = 1.0;
             }
         }
@@ -80,13 +80,13 @@ impl Work<'_> {
             }
             if patch.triangles.len() == 1 {
                 if let Some(plane) = self.plane(patch, &places) {
-                    self.patches[i].surface = plane;
+                    self.patches[i].surface = plane.into();
                 }
                 continue;
             }
             let corners = patch.triangles.iter().flat_map(|&t| self.mesh.triangles[t as usize]);
             let off = |v: crate::geometry::VertexId| patch.surface.distance(places[v.index()]).0;
-            if corners.map(off).any(|d| d.abs() > EXACT) {
+            if corners.map(off).any(|d| d.abs() > self.limit) {
                 bent.push(SeamFault::new(&[i], "a facet that is not flat"));
             }
         }

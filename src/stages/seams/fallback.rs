@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{FacePatch, Fallback, Work};
 use crate::geometry::sets::Sets;
-use crate::primitives::PrimitiveKind;
 
 /// A face loses triangles next to failing places so often. Then it is given up.
 const TRIES: u32 = 3;
@@ -56,7 +55,7 @@ impl Work<'_> {
             if !self.patches[i].is_facet {
                 let first = loss.triangles.first().copied().unwrap_or_default() as usize;
                 fallbacks.push(Fallback {
-                    kind: self.patches[i].surface.kind(),
+                    kind: self.patches[i].surface.name(),
                     triangles: loss.triangles.len(),
                     place: self.mesh.point(self.mesh.triangles[first][0]),
                     why: loss.why.into(),
@@ -73,7 +72,7 @@ impl Work<'_> {
     }
 
     fn is_curved(&self, i: usize) -> bool {
-        self.patches[i].surface.kind() != PrimitiveKind::Plane
+        !self.patches[i].surface.is_plane()
     }
 
     /// The patches that yield to a fault, and the triangles that they lose.
@@ -144,12 +143,12 @@ impl Work<'_> {
         let pick = |set: &[u32], from: &[u32]| set.iter().map(|&k| from[k as usize]).collect();
         let mut made: Vec<(FacePatch, u32)> = Vec::new();
         for set in self.joined(&kept).members() {
-            made.push((FacePatch { triangles: pick(&set, &kept), ..old }, self.tries[i] + 1));
+            made.push((FacePatch { triangles: pick(&set, &kept), ..old.clone() }, self.tries[i] + 1));
         }
         for set in flat.members() {
             let triangles: Vec<u32> = pick(&set, &lost);
             let tries = u32::from(old.is_facet);
-            let facet = FacePatch { is_facet: true, side: 1.0, triangles, ..old };
+            let facet = FacePatch { is_facet: true, side: 1.0, triangles, ..old.clone() };
             made.push((facet, tries));
         }
         let mut made = made.into_iter();

@@ -3,12 +3,12 @@
 use formats::Brep;
 use formats::brep::{FaceId, ShellId};
 
-use super::Work;
+use super::{FacePatch, Work};
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
 use super::shell::none;
 use crate::geometry::{Point, VertexId};
-use crate::primitives::Primitive;
+use super::FaceSurface;
 
 /// A corner is on its face within so many errors: κ = 2 for free fits, and a quarter more for snapped ones.
 const ON_FACE: f64 = 2.5;
@@ -25,7 +25,7 @@ const INSIDE: f64 = 1e-3;
 
 impl Work<'_> {
     /// Whether a vertex of the mesh is on a surface.
-    pub(super) fn is_on(&self, surface: &Primitive, v: VertexId) -> bool {
+    pub(super) fn is_on(&self, surface: &FaceSurface, v: VertexId) -> bool {
         let most = self.loose.max(ON_FACE * self.errors[v.index()]);
         surface.distance(self.mesh.point(v)).0.abs() <= most
     }
@@ -36,7 +36,8 @@ impl Work<'_> {
         let most = LOOSE * self.mesh.diagonal();
         let mut loose: f64 = 0.0;
         let mut faults = Vec::new();
-        for (i, patch) in self.patches.iter().enumerate().filter(|(_, patch)| !patch.is_facet) {
+        let is_exact = |patch: &FacePatch| !patch.is_facet && patch.surface.exact().is_some();
+        for (i, patch) in self.patches.iter().enumerate().filter(|(_, patch)| is_exact(patch)) {
             let corners = patch.triangles.iter().flat_map(|&t| self.mesh.triangles[t as usize]);
             let mut off = Vec::new();
             for v in corners {

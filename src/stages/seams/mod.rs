@@ -6,14 +6,16 @@
 //! projected onto both surfaces, and become lines, arcs or cubic B-splines. Vertices lie on all surfaces around them.
 //!
 //! Where that fails, the triangles next to the place become flat faces, and the whole patch if it fails again.
-//! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is 8e-8 mm: modelling kernels
-//! that do not heal take no more.
+//! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is what modelling kernels take
+//! for exact, or the rounding of the file, or beside a B-spline what this leaves open. The model states it as its
+//! uncertainty.
 
 mod agreement;
 mod chart;
 mod contact;
 mod crossings;
 mod curves;
+mod domain;
 mod faces;
 mod facets;
 mod fallback;
@@ -21,13 +23,16 @@ mod guard;
 mod hermite;
 mod network;
 mod pcurves;
+mod perimeter;
 mod rings;
 mod shell;
 mod shells;
+mod surface;
 mod vertices;
-mod winding;
+
 
 use formats::Brep;
+pub use surface::FaceSurface;
 
 use crate::geometry::{Point, Vector};
 use crate::mesh::{EdgeMap, Mesh};
@@ -36,8 +41,8 @@ use crate::primitives::{Primitive, PrimitiveKind};
 /// Triangles that lie on one surface.
 #[derive(Debug, Clone)]
 pub struct FacePatch {
-    /// The surface, in mm.
-    pub surface: Primitive,
+    /// The surface.
+    pub surface: FaceSurface,
     /// +1 if the outside of the solid is where the distance to the surface is positive, -1 otherwise.
     pub side: f64,
     /// Whether the surface is only the plane of a facet. Its vertices are then corners of the face.
@@ -56,8 +61,8 @@ pub struct Options {
 /// A face of which some or all triangles became facets.
 #[derive(Debug, Clone)]
 pub struct Fallback {
-    /// The kind of its surface.
-    pub kind: PrimitiveKind,
+    /// The name of the kind of its surface.
+    pub kind: &'static str,
     /// The number of these triangles.
     pub triangles: usize,
     /// A point of them in mm.
@@ -80,8 +85,8 @@ pub struct Report {
 }
 
 impl Report {
-    /// For each face of the solid the kind of its surface.
-    pub fn kinds(&self) -> Vec<PrimitiveKind> {
+    /// For each face of the solid the kind of its surface. B-splines have none.
+    pub fn kinds(&self) -> Vec<Option<PrimitiveKind>> {
         self.patches.iter().map(|patch| patch.surface.kind()).collect()
     }
 }
@@ -111,7 +116,7 @@ pub enum SolidFault {
     Unsound(String),
 }
 
-/// Edges and vertices lie on their faces within so many mm: the precision of modelling kernels, 1e-7, less a fifth.
+/// What is exact to so many mm is exact to modelling kernels: their precision, 1e-7, less a fifth.
 const EXACT: f64 = 8e-8;
 
 /// What all steps of one shell read.
@@ -121,6 +126,9 @@ struct Work<'a> {
     errors: Vec<f64>,
     /// The farthest that loose edges put a vertex off its surface, in mm.
     loose: f64,
+    /// Edges and vertices lie on their faces within so many mm. Nearly all of them do so within [`EXACT`], but surfaces that
+    /// do not quite meet are known no better than the file states its coordinates.
+    limit: f64,
     edges: EdgeMap,
     patches: Vec<FacePatch>,
     /// How often each patch lost triangles. Of a facet that was split before, 1.
@@ -163,6 +171,7 @@ impl<'a> Work<'a> {
             mesh: &part.mesh,
             errors: part.errors.clone(),
             loose: 0.0,
+            limit: part.errors.iter().copied().fold(EXACT, f64::max),
             edges: EdgeMap::new(&part.mesh),
             patches: Vec::new(),
             tries: Vec::new(),
@@ -212,7 +221,7 @@ impl FacePatch {
         let normal: Vector = triangles.iter().map(|t| mesh.area_vector(of(t))).sum();
         let normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector::z);
         let origin = triangles.first().map_or_else(Point::origin, |t| mesh.point(of(t)[0]));
-        let surface = Primitive::Plane { origin, normal };
+        let surface = Primitive::Plane { origin, normal }.into();
         FacePatch { surface, side: 1.0, is_facet: true, triangles }
     }
 }

@@ -15,6 +15,9 @@ const AGREES: f64 = 3e-8;
 /// Angles and lengths that differ by less are the same: rounding of the formulas.
 const ROUNDED: f64 = 1e-12;
 
+/// The pcurve of an edge beside a B-spline adds no more than this share to the distance of the edge.
+const SHARE: f64 = 0.25;
+
 const FEWEST: usize = 33;
 const MOST: usize = 1500;
 
@@ -44,6 +47,12 @@ pub(super) fn pcurve(
     };
     let t = places(FEWEST);
     let uv = parameters(&t);
+    // A B-spline is not exactly below its edges.
+    let off = match chart.sheet {
+        Some(_) => t.iter().zip(&uv).map(|(&t, &uv)| (chart.point(uv) - at(t)).norm()).fold(0.0, f64::max),
+        None => 0.0,
+    };
+    let agrees = AGREES.max(SHARE * off) + off;
     let (from, mut to) = (exact(uv[0]), exact(uv[uv.len() - 1]));
     for k in 0..2 {
         if (from[k] - to[k]).abs() < ROUNDED * from[k].abs().max(1.0) {
@@ -52,7 +61,7 @@ pub(super) fn pcurve(
     }
     if let Ok(line) = PCurve::line(from, to, (start, end)) {
         let worst = gap(&line, &t);
-        if worst < EXACT {
+        if worst < EXACT.max(off) {
             return Ok((line, worst));
         }
     }
@@ -64,12 +73,12 @@ pub(super) fn pcurve(
         let made = PCurve::Spline(through(&t, &parameters(&t), false)?);
         let middles: Vec<f64> = t.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
         let worst = gap(&made, &middles);
-        if worst < AGREES || t.len() > MOST {
+        if worst < agrees || t.len() > MOST {
             return Ok((made, worst));
         }
         let mut finer = vec![t[0]];
         for (pair, middle) in t.windows(2).zip(&middles) {
-            if gap(&made, &[*middle]) > 0.5 * AGREES {
+            if gap(&made, &[*middle]) > agrees - 0.5 * AGREES.max(SHARE * off) {
                 finer.push(*middle);
             }
             finer.push(pair[1]);

@@ -9,13 +9,15 @@ use super::curves::Pair;
 use super::faces::FaceBuilder;
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
-use super::winding::FacePlan;
-use super::{EXACT, Work, contact};
+use super::domain::FacePlan;
+use super::{Work, contact};
 use crate::geometry::{Point, Vector};
-use crate::primitives::PrimitiveKind;
 
 /// The uncertainty in mm: the precision of modelling kernels.
 const KERNEL: f64 = 1e-7;
+
+/// The uncertainty is larger than the largest gap by this factor, as gaps are measured at samples.
+const SLACK: f64 = 1.25;
 
 /// Builds the shell of all patches.
 pub(super) fn shell(work: &mut Work) -> Result<(Brep, f64), Vec<SeamFault>> {
@@ -33,6 +35,8 @@ pub(super) fn shell(work: &mut Work) -> Result<(Brep, f64), Vec<SeamFault>> {
     let mut builder = FaceBuilder { work, network: &network, brep: &mut brep, gap };
     none(plans.iter().enumerate().filter_map(|(i, plan)| builder.face(i, plan).err()).collect())?;
     let gap = builder.gap;
+    // Edges beside B-splines are as exact as these.
+    brep.uncertainty_mm = KERNEL.max(SLACK * gap);
     let faces = (0..brep.faces.len()).map(FaceId).collect();
     brep.add_shell(Shell { faces, closed: true });
     let faults = brep.face_faults().into_iter();
@@ -173,7 +177,7 @@ impl Work<'_> {
             off = off.max((place - network.vertices[end]).norm());
         }
         // A distance that is not a number fails, too.
-        if off < EXACT {
+        if off < self.limit.max(pair.open()) {
             Ok((curve, off))
         } else {
             Err(format!("an edge is {off:.1e} mm off its faces"))
@@ -185,7 +189,7 @@ impl Work<'_> {
         let BrepCurve::Ellipse(arc) = curve else { return false };
         let [x, y] = arc.axes().map(Vector::from);
         sides.iter().any(|&i| {
-            self.patches[i].surface.kind() == PrimitiveKind::Plane
+            self.patches[i].surface.is_plane()
                 && x.cross(&y).dot(&Vector::from(plans[i].chart.frame.z())) < 0.0
         })
     }

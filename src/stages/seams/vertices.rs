@@ -6,9 +6,9 @@ use super::contact::{contact, touch};
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
 use super::shell::none;
-use super::{EXACT, FacePatch, Work};
+use super::{FacePatch, Work};
 use crate::geometry::{Point, Vector};
-use crate::primitives::Primitive;
+use super::FaceSurface;
 
 const STEPS: usize = 15;
 
@@ -52,9 +52,16 @@ impl Work<'_> {
             let all = &around[v as usize];
             let patches: Vec<&FacePatch> = all.iter().map(|&i| &self.patches[i]).collect();
             let start = network.vertices[n];
-            let (at, left) = placed(&patches, start, self.errors[v as usize]);
+            let error = self.errors[v as usize];
+            let (mut at, mut left) = placed(&patches, start, error);
+            if left >= self.limit {
+                // Other surfaces say more exactly where it is than B-splines do.
+                let exact: Vec<&FacePatch> =
+                    patches.into_iter().filter(|patch| patch.surface.exact().is_some()).collect();
+                (at, left) = placed(&exact, start, error);
+            }
             let moved = (at - start).norm();
-            if left < EXACT && moved < MOVES * shortest[v as usize] {
+            if left < self.limit && moved < MOVES * shortest[v as usize] {
                 network.vertices[n] = at;
             } else {
                 let why = format!("a vertex is {left:.1e} mm off its surfaces, moved {moved:.1e}");
@@ -65,16 +72,26 @@ impl Work<'_> {
     }
 }
 
-/// The point, and the largest residual there.
+/// The point, and the largest residual there. B-splines that touch other surfaces do not hold it.
 fn placed(patches: &[&FacePatch], start: Point, error: f64) -> (Point, f64) {
-    let surfaces: Vec<&Primitive> = patches.iter().map(|patch| &patch.surface).collect();
     let mut pairs = Vec::new();
+    let mut is_loose = vec![false; patches.len()];
     for (i, a) in patches.iter().enumerate() {
-        let others = patches[i + 1..].iter().filter(|b| !a.is_facet && !b.is_facet);
-        let others = others.map(|b| &b.surface);
-        let touching = others.filter(|b| touch(&a.surface, b, &[start], error));
-        pairs.extend(touching.map(|b| (&a.surface, b)));
+        for (k, b) in patches.iter().enumerate().skip(i + 1).filter(|(_, b)| !b.is_facet) {
+            if a.is_facet || !touch(&a.surface, &b.surface, &[start], error) {
+                continue;
+            }
+            match (a.surface.exact(), b.surface.exact()) {
+                (Some(a), Some(b)) => pairs.push((a, b)),
+                (a, b) => {
+                    is_loose[i] |= a.is_none();
+                    is_loose[k] |= b.is_none();
+                }
+            }
+        }
     }
+    let holding = patches.iter().zip(is_loose).filter(|(_, is_loose)| !is_loose);
+    let surfaces: Vec<&FaceSurface> = holding.map(|(patch, _)| &patch.surface).collect();
     let residual = |p: Point| {
         let mut rows: Vec<f64> = surfaces.iter().map(|s| s.distance(p).0).collect();
         for (a, b) in &pairs {
