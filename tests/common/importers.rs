@@ -58,6 +58,25 @@ pub fn freecad_solid(file: &Path) -> Option<Value> {
     Some(answer(command))
 }
 
+/// Makes meshes of a designer's parts in a folder, and the truth about each.
+pub fn make_parts(folder: &Path) {
+    run(opencascade_script("operate_occ.py").arg("make").arg(folder));
+}
+
+/// What a designer's next steps on a solid give in OpenCASCADE.
+pub fn opencascade_operations(file: &Path) -> Value {
+    let mut command = opencascade_script("operate_occ.py");
+    command.arg(file);
+    answer(command)
+}
+
+/// What a designer's next steps on a solid give in FreeCAD. `None` if FreeCAD is absent on purpose.
+pub fn freecad_operations(file: &Path) -> Option<Value> {
+    let mut command = freecad_script("operate_freecad.py")?;
+    command.arg(file);
+    Some(answer(command))
+}
+
 /// Lets OpenCASCADE read a file and write it to a folder again.
 pub fn rewrite_opencascade(file: &Path, folder: &Path) {
     let mut command = opencascade_script("rewrite_occ.py");

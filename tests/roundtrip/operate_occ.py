@@ -256,7 +256,8 @@ def over(shape):
 
 
 def operated(path):
-    shape = occ.read(path, heal=False)[2]
+    # As programs read it: only healing gives a ball the edges at its poles, which operations need.
+    shape = occ.read(path, heal=True)[2]
     tool, size = over(shape)
     volume, both = volume_of(shape), volume_of(BRepAlgoAPI_Common(shape, tool).Shape())
     return {
