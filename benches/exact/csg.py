@@ -11,8 +11,9 @@ area is on surfaces that were found), the relative error of the volume, that of 
 facets, the share of the area that is facets, seconds of PROGRAM, verdict and remarks. With --arguments, the check
 of the arguments of Boolean operations runs too.
 
-Verdicts: `right` is the part itself, its volume right within 1e-6. `partial` is a valid solid with some facets
-or with other faces than the part, whose volume is off by no more than that of the mesh may be. `splines` is no exact solid.
+Verdicts: `right` is the part itself, its volume right within 1e-6. `near` has the same volume, but other faces or small
+facets. `partial` is a valid solid with facets, whose volume is off by no more than that of the mesh may be. `splines`
+is no exact solid.
 `wrong volume`, `invalid`, `crash` and `slow` are failures.
 """
 
@@ -93,7 +94,7 @@ def judged(truth, bodies, found):
     off = found["volume"] - truth["volume"]
     row |= {"valid": int(found["valid"]), "same": int(same), "volume": f"{off / truth['volume']:.0e}"}
     allowed = EXACT * truth["volume"] if same else truth["guard"] + truth["rounding"]
-    verdict = "right" if same else "partial"
+    verdict = "right" if same else "near" if abs(off) <= EXACT * truth["volume"] else "partial"
     if abs(off) > allowed:
         verdict = "wrong volume"
     if not found["valid"]:
