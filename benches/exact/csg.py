@@ -1,6 +1,6 @@
 """Makes random parts, converts their meshes to exact solids, and prints a table.
 
-    target/occ/bin/python benches/exact/csg.py FIRST COUNT [--ours PROGRAM] [--out FOLDER] [--arguments]
+    target/occ/bin/python benches/exact/csg.py FIRST COUNT [--ours PROGRAM] [--out FOLDER] [--arguments] [--stop]
 
 PROGRAM is a built scan2step, which runs on one thread. tests/roundtrip/random_parts.py makes the parts. FOLDER keeps
 what it made of each seed: SEED.stl, SEED.json (the truth), SEED.step and SEED.report.json. Parts that are there
@@ -9,7 +9,8 @@ already are not made again.
 The columns: operations, triangles, valid (without healing), same (the same faces by kind as the part, and all of the
 area is on surfaces that were found), the relative error of the volume, that of the mesh, patches that fell back to
 facets, the share of the area that is facets, seconds of PROGRAM, verdict and remarks. With --arguments, the check
-of the arguments of Boolean operations runs too.
+of the arguments of Boolean operations runs too. With --stop, conversions that turn to B-spline faces are stopped,
+which saves most of the time; then the table does not have the reason.
 
 Verdicts: `right` is the part itself, its volume right within 1e-6. `near` has the same volume, but other faces or small
 facets. `partial` is a valid solid with facets, whose volume is off by no more than that of the mesh may be. `splines`
@@ -21,6 +22,7 @@ import argparse
 import json
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -31,6 +33,9 @@ sys.dont_write_bytecode = True
 from run import apart  # noqa: E402
 
 SECONDS = 120
+
+# What the program says before it makes B-spline faces.
+SCANS = "shape: a solid, as"
 
 # The volume of a part whose faces are all right is right within this share.
 EXACT = 1e-6
@@ -63,23 +68,48 @@ def run(options, seed):
         file(end).unlink(missing_ok=True)
     start = time.monotonic()
     files = [file("stl"), file("step"), "--report", file("report.json")]
-    command = [options.ours, "convert", *files, "--threads", "1"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
-    except subprocess.TimeoutExpired:
-        return row | {"verdict": "slow", "remarks": f"no answer after {SECONDS} s"}
+    said, status = converted([options.ours, "convert", *files, "--threads", "1"], options.stop)
     row["s"] = f"{time.monotonic() - start:.1f}"
-    if done.returncode:
-        said = " ".join(line for line in done.stderr.splitlines() if "panicked" in line or "error" in line)
-        return row | {"verdict": "crash", "remarks": f"{done.returncode}: {said or done.stderr[-200:]}"}
+    if status == "slow":
+        return row | {"verdict": "slow", "remarks": f"no answer after {SECONDS} s"}
+    if status == "stopped":
+        return row | {"verdict": "splines"}
+    if status:
+        why = " ".join(line for line in said if "panicked" in line or "error" in line)
+        return row | {"verdict": "crash", "remarks": f"{status}: {why}"}
     report = json.loads(file("report.json").read_text())
     bodies = report.get("components") or [report]
     if not all("exact" in body for body in bodies):
         why = {str(body["shape"]["fallback"]) for body in bodies if "exact" not in body} - {"None"}
-        reason = [line for line in done.stderr.splitlines() if "exact" in line]
+        reason = [line for line in said if line.startswith("hint") and "exact" in line]
         return row | {"verdict": "splines", "remarks": "; ".join([*sorted(why), *reason])}
     found = apart(measured, str(file("step")), options.arguments)
     return row | judged(truth, bodies, found)
+
+
+def converted(command, stops):
+    """What the program says, and its status: a number, or how it was stopped."""
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    is_late = threading.Event()
+
+    def late():
+        is_late.set()
+        process.kill()
+
+    timer = threading.Timer(SECONDS, late)
+    timer.start()
+    said = []
+    for line in process.stderr:
+        said.append(line.rstrip())
+        # The way of scans begins.
+        if stops and line.startswith(SCANS):
+            process.kill()
+            process.wait()
+            timer.cancel()
+            return said, "stopped"
+    process.wait()
+    timer.cancel()
+    return said, "slow" if is_late.is_set() else process.returncode
 
 
 def judged(truth, bodies, found):
@@ -140,6 +170,7 @@ def arguments():
     parser.add_argument("--ours", type=Path, default=ROOT / "target/debug/scan2step")
     parser.add_argument("--out", type=Path, default=ROOT / "target/random_parts")
     parser.add_argument("--arguments", action="store_true")
+    parser.add_argument("--stop", action="store_true")
     return parser.parse_args()
 
 
