@@ -62,6 +62,11 @@ impl Chart {
         let made = match *surface {
             Primitive::Plane { .. } => BrepSurface::plane(frame),
             Primitive::Cylinder { radius, .. } => BrepSurface::cylinder(frame, radius),
+            // Any place of the axis inside of the cone serves as its origin.
+            Primitive::Cone { radius, angle, .. } if radius < 0.0 => {
+                let up = frame.point([0.0, 0.0, -2.0 * radius / angle.tan()]);
+                return Chart { frame: frame.at(up), surface: BrepSurface::cone(frame.at(up), -radius, angle), sheet: None };
+            }
             Primitive::Cone { radius, angle, .. } => BrepSurface::cone(frame, radius, angle),
             Primitive::Sphere { radius, .. } => BrepSurface::sphere(frame, radius),
             Primitive::Torus { major, minor, .. } => BrepSurface::torus(frame, major, minor),

@@ -28,7 +28,7 @@ struct Chord {
 }
 
 /// The faults of all faces. Seams have numbers beyond those of chains.
-pub(super) fn crossings(brep: &Brep, network: &ChainNetwork) -> Vec<SeamFault> {
+pub(super) fn crossings(brep: &Brep, network: &ChainNetwork, patch_of: &[usize]) -> Vec<SeamFault> {
     let mut faults = Vec::new();
     for (i, face) in brep.faces.iter().enumerate() {
         let edges = crossed(face, &brep.surfaces[face.surface.0]);
@@ -38,11 +38,11 @@ pub(super) fn crossings(brep: &Brep, network: &ChainNetwork) -> Vec<SeamFault> {
         let why = "a border that crosses itself";
         let chains: Vec<_> = edges.iter().filter_map(|&edge| network.chains.get(edge)).collect();
         if chains.is_empty() {
-            faults.push(SeamFault::new(&[i], why));
+            faults.push(SeamFault::new(&[patch_of[i]], why));
             continue;
         }
         let sides = chains.iter().flat_map(|chain| [chain.left, chain.right]);
-        let patches: BTreeSet<usize> = sides.chain([i]).collect();
+        let patches: BTreeSet<usize> = sides.chain([patch_of[i]]).collect();
         let patches: Vec<usize> = patches.into_iter().collect();
         let vertices: Vec<u32> =
             chains.iter().flat_map(|chain| chain.mesh_vertices.iter().copied()).collect();

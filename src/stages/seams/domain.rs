@@ -29,6 +29,9 @@ const ON_CUT: f64 = 1e-9;
 /// Neighbouring points of a chain never turn so far about an axis.
 const JUMP: f64 = 1.5;
 
+/// A loop that touches a cut or runs along it is avoided at the cost of so many crossings.
+const AVOIDED: usize = 4;
+
 /// The vertices of a face that are tried as places of its cut.
 const MOST_TRIED: usize = 64;
 
@@ -106,7 +109,9 @@ impl Work<'_> {
             let crossed = |at: f64| rings.iter().map(|ring| crossings(ring, at)).sum::<usize>();
             let [low, here, high] = [-CLEAR, 0.0, CLEAR].map(|by| crossed(angle + by));
             let at_vertices = vertices.iter().filter(|v| around(*v - angle).abs() < ON_CUT).count();
-            (here + low.abs_diff(here) + high.abs_diff(here), vertices.len() - at_vertices)
+            let along = rings.iter().filter(|ring| runs_along(ring, angle)).count();
+            let unclear = low.abs_diff(here) + high.abs_diff(here) + along;
+            (here + AVOIDED * unclear, vertices.len() - at_vertices)
         };
         let all = tried().chain(quarters).chain(between);
         all.min_by_key(cost).unwrap_or(0.0)
@@ -228,6 +233,12 @@ impl Work<'_> {
 /// Whether an angle passes zero between two values, and does not jump by a turn.
 fn passes(a: f64, b: f64) -> bool {
     a * b < 0.0 && (a - b).abs() < JUMP
+}
+
+/// Whether a line runs along an angle.
+fn runs_along(angles: &[f64], at: f64) -> bool {
+    let is_on = |angle: f64| around(angle - at).abs() < ON_CUT;
+    angles.windows(2).any(|w| is_on(w[0]) && is_on(w[1]))
 }
 
 /// How often a closed line crosses an angle.

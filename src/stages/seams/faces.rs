@@ -11,7 +11,7 @@ use super::fallback::SeamFault;
 use super::network::{ChainNetwork, ChainUse};
 use super::pcurves::pcurve;
 use super::perimeter::{Perimeter, PerimeterPlace, Stretch};
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 
 /// The samples of an edge that follow its parameters around the surface.
 const SAMPLES: usize = 25;
@@ -35,6 +35,13 @@ impl EdgeRun {
         last[last.len() - 1]
     }
 
+    fn set_ends(&mut self, start: [f64; 2], end: [f64; 2]) {
+        self.uv[0][0] = start;
+        if let Some(last) = self.uv.last_mut().and_then(|uv| uv.last_mut()) {
+            *last = end;
+        }
+    }
+
     fn shift(&mut self, by: [f64; 2]) {
         self.uv.iter_mut().flatten().for_each(|uv| *uv = [uv[0] + by[0], uv[1] + by[1]]);
     }
@@ -44,18 +51,19 @@ impl EdgeRun {
         all().sum::<f64>() / all().count() as f64
     }
 
-    fn area(&self) -> f64 {
-        let all: Vec<[f64; 2]> = self.uv.iter().flatten().copied().collect();
-        let next = |i: usize| all[(i + 1) % all.len()];
-        let of = |i: usize| all[i][0] * next(i)[1] - next(i)[0] * all[i][1];
-        0.5 * (0..all.len()).map(of).sum::<f64>()
-    }
 }
 
 /// A part of a loop: a run, or a stretch along the perimeter.
 enum LoopPart {
     Run(EdgeRun),
     Seam(Stretch),
+}
+
+/// The loops of a face, the outer one first, and the polygon of that in the domain, which begins at `cell`.
+struct FaceLoops {
+    loops: Vec<Vec<EdgeUse>>,
+    outline: Vec<[f64; 2]>,
+    cell: [f64; 2],
 }
 
 /// What the faces share.
@@ -65,6 +73,10 @@ pub(super) struct FaceBuilder<'a> {
     pub brep: &'a mut Brep,
     /// The largest distance between an edge and its pcurves.
     pub gap: f64,
+    /// For each face its patch.
+    pub patch_of: Vec<usize>,
+    /// For each face its triangles.
+    pub triangles: Vec<Vec<u32>>,
 }
 
 /// The seams of one face.
@@ -78,7 +90,7 @@ struct Seams<'a> {
 }
 
 impl FaceBuilder<'_> {
-    /// Adds the face of a patch.
+    /// Adds the face of a patch, or its faces if cuts divide it.
     pub fn face(&mut self, i: usize, plan: &FacePlan) -> Result<(), SeamFault> {
         let side = self.work.patches[i].side;
         let chart = &plan.chart;
@@ -90,20 +102,45 @@ impl FaceBuilder<'_> {
             })
             .collect();
         let made = self.loops(plan, &natural);
-        let mut loops = made.map_err(|why| SeamFault::new(&[i], why))?;
-        if side < 0.0 {
-            for ring in &mut loops {
-                ring.reverse();
-                ring.iter_mut().for_each(|of| of.forward = !of.forward);
+        let made = made.map_err(|why| SeamFault::new(&[i], why))?;
+        let triangles = self.divided(i, chart, &made);
+        for (face, triangles) in made.into_iter().zip(triangles) {
+            let mut loops = face.loops;
+            if side < 0.0 {
+                for ring in &mut loops {
+                    ring.reverse();
+                    ring.iter_mut().for_each(|of| of.forward = !of.forward);
+                }
             }
+            let surface = self.brep.add_surface(chart.surface.clone());
+            self.brep.add_face(Face { surface, forward: side > 0.0, loops });
+            self.patch_of.push(i);
+            self.triangles.push(triangles);
         }
-        let surface = self.brep.add_surface(chart.surface.clone());
-        self.brep.add_face(Face { surface, forward: side > 0.0, loops });
         Ok(())
     }
 
-    /// The loops of a face in the natural orientation of its surface, the outer one first.
-    fn loops(&mut self, plan: &FacePlan, natural: &[Vec<ChainUse>]) -> Result<Vec<Vec<EdgeUse>>, String> {
+    /// The triangles of each face of a patch: those whose middle it holds.
+    fn divided(&self, i: usize, chart: &Chart, faces: &[FaceLoops]) -> Vec<Vec<u32>> {
+        let all = &self.work.patches[i].triangles;
+        let mut divided = vec![Vec::new(); faces.len()];
+        for &t in all {
+            let corners = self.work.mesh.corners(self.work.mesh.triangles[t as usize]);
+            let middle = corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0;
+            let is_in = |face: &FaceLoops| {
+                let mut uv = chart.parameters(Point::from(middle)).0;
+                let periods = chart.surface.periods();
+                (0..2).for_each(|k| uv[k] -= periods[k].map_or(0.0, |p| p * ((uv[k] - face.cell[k]) / p).floor()));
+                is_inside(&face.outline, uv)
+            };
+            let home = if faces.len() > 1 { faces.iter().position(is_in) } else { None };
+            divided[home.unwrap_or(0)].push(t);
+        }
+        divided
+    }
+
+    /// The faces of a patch, in the natural orientation of its surface.
+    fn loops(&mut self, plan: &FacePlan, natural: &[Vec<ChainUse>]) -> Result<Vec<FaceLoops>, String> {
         let chart = &plan.chart;
         let perimeter = Perimeter::of(&chart.surface, plan.v);
         let mut seams =
@@ -112,31 +149,56 @@ impl FaceBuilder<'_> {
         for ring in natural {
             runs.extend(self.runs(&mut seams, ring)?);
         }
+        if std::env::var("DBG").is_ok() && perimeter.is_cut() {
+            eprintln!("face {} v {}", format!("{:?}", chart.surface).split(' ').next().unwrap_or(""), plan.v);
+            for run in &runs {
+                let all: Vec<[f64; 2]> = run.uv.iter().flatten().copied().collect();
+                let lo = |k: usize| all.iter().map(|x| x[k]).fold(f64::MAX, f64::min);
+                let hi = |k: usize| all.iter().map(|x| x[k]).fold(f64::MIN, f64::max);
+                eprintln!("  run {:?} u {:.9}..{:.9} v {:.9}..{:.9} from {:.9?} to {:.9?} {}", run.uses.len(), lo(0), hi(0), lo(1), hi(1), run.start(), run.end(), run.ends.map_or(String::new(), |e| format!("{:.6?}", e)).replace("PerimeterPlace",""));
+            }
+        }
         let (open, closed): (Vec<EdgeRun>, Vec<EdgeRun>) =
             runs.into_iter().partition(|run| run.ends.is_some());
         let mut outer = traced(open, &perimeter)?;
         let (around, holes): (Vec<EdgeRun>, Vec<EdgeRun>) =
-            closed.into_iter().partition(|run| run.area() > 0.0);
+            closed.into_iter().partition(|run| area_of(run.uv.iter().flatten().copied()) > 0.0);
         outer.extend(around.into_iter().map(|run| vec![LoopPart::Run(run)]));
+        let mut holes: Vec<Vec<LoopPart>> =
+            holes.into_iter().map(|run| vec![LoopPart::Run(run)]).collect();
+        // A loop that only touches the perimeter may be a hole.
+        let touching = outer.extract_if(.., |ring| area(ring) <= 0.0);
+        holes.extend(touching);
         if outer.is_empty() {
             outer.push(perimeter.whole()?.into_iter().map(LoopPart::Seam).collect());
         }
-        if outer.len() > 1 {
+        if outer.len() > 1 && !perimeter.is_cut() {
             return Err(format!("{} outer loops", outer.len()));
         }
-        let rings = outer.into_iter().chain(holes.into_iter().map(|run| vec![LoopPart::Run(run)]));
         let mut made = Vec::new();
-        for ring in rings {
-            let mut uses = Vec::new();
-            for part in &ring {
-                match part {
-                    LoopPart::Run(run) => uses.extend(self.uses(chart, run)?),
-                    LoopPart::Seam(stretch) => uses.extend(self.stretch(&mut seams, stretch)?),
-                }
-            }
-            made.push(uses);
+        for ring in outer {
+            let uses = self.ring(&mut seams, &ring)?;
+            made.push(FaceLoops { loops: vec![uses], outline: outline(&ring), cell: perimeter.cell[0] });
+        }
+        for ring in holes {
+            let start = outline(&ring).first().copied().unwrap_or_default();
+            let home = made.iter().position(|face| is_inside(&face.outline, start));
+            let uses = self.ring(&mut seams, &ring)?;
+            made[home.unwrap_or(0)].loops.push(uses);
         }
         Ok(made)
+    }
+
+    /// The uses of all parts of a loop.
+    fn ring(&mut self, seams: &mut Seams, ring: &[LoopPart]) -> Result<Vec<EdgeUse>, String> {
+        let mut uses = Vec::new();
+        for part in ring {
+            match part {
+                LoopPart::Run(run) => uses.extend(self.uses(seams.chart, run)?),
+                LoopPart::Seam(stretch) => uses.extend(self.stretch(seams, stretch)?),
+            }
+        }
+        Ok(uses)
     }
 
     /// The runs of a loop between its vertices on the perimeter, or the whole loop if it has none.
@@ -168,16 +230,18 @@ impl FaceBuilder<'_> {
             run.shift([by(0), by(1)]);
             let ends = [(from, run.start()), (next, run.end())].map(|(k, uv)| {
                 let (vertex, lines) = at[k % n]?;
+                let uv = seams.perimeter.onto(lines, uv);
                 // All meridians meet at a pole.
                 for (line, is_on) in [(0, lines[0] || lines[2]), (1, lines[1])] {
                     if is_on {
                         seams.vertices[line].push((uv[1 - line], vertex));
                     }
                 }
-                Some(seams.perimeter.place(lines, uv))
+                Some((seams.perimeter.place(lines, uv), uv))
             });
             let [Some(start), Some(end)] = ends else { return Err("a loop that breaks off".into()) };
-            run.ends = Some([start, end]);
+            run.set_ends(start.1, end.1);
+            run.ends = Some([start.0, end.0]);
             runs.push(run);
             from = next;
         }
@@ -204,8 +268,9 @@ impl FaceBuilder<'_> {
     fn uses(&mut self, chart: &Chart, run: &EdgeRun) -> Result<Vec<EdgeUse>, String> {
         let mut made = Vec::with_capacity(run.uses.len());
         for (&(chain, forward), uv) in run.uses.iter().zip(&run.uv) {
-            let near = if forward { uv[0] } else { uv[uv.len() - 1] };
-            let (pcurve, gap) = pcurve(chart, &self.brep.edges[chain].curve, near)?;
+            let (first, last) = (uv[0], uv[uv.len() - 1]);
+            let ends = if forward { [first, last] } else { [last, first] };
+            let (pcurve, gap) = pcurve(chart, &self.brep.edges[chain].curve, ends)?;
             if gap.is_nan() || gap > self.work.limit.max(chart.open()) {
                 return Err(format!("an edge is {gap:.1e} mm off its face"));
             }
@@ -305,6 +370,34 @@ impl FaceBuilder<'_> {
         let frame = Frame::new(centre, frame.y().map(|e| -e), towards)?;
         BrepCurve::arc(&frame, radius, v[1] - v[0])
     }
+}
+
+/// The polygon of a loop.
+fn outline(ring: &[LoopPart]) -> Vec<[f64; 2]> {
+    let points = ring.iter().flat_map(|part| match part {
+        LoopPart::Run(run) => run.uv.concat(),
+        LoopPart::Seam(stretch) => stretch.ends().to_vec(),
+    });
+    points.collect()
+}
+
+fn area(ring: &[LoopPart]) -> f64 {
+    area_of(outline(ring).into_iter())
+}
+
+/// The area of a polygon, positive if it runs counter-clockwise.
+fn area_of(polygon: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
+    let next = polygon.clone().skip(1).chain(polygon.clone().take(1));
+    0.5 * polygon.zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>()
+}
+
+/// Whether a polygon goes around a point.
+fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    let crossed = sides.filter(|(a, b)| {
+        (a[1] > y) != (b[1] > y) && x < a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1])
+    });
+    crossed.count() % 2 == 1
 }
 
 /// The circle of a torus on its cut along u between two values of u.

@@ -65,11 +65,18 @@ impl Work<'_> {
     }
 
     /// Compares the areas of faces and the volume with the mesh.
-    pub(super) fn guard(&self, brep: &Brep, strips: &[f64]) -> Result<(), Vec<SeamFault>> {
+    pub(super) fn guard(
+        &self,
+        brep: &Brep,
+        strips: &[f64],
+        patch_of: &[usize],
+    ) -> Result<(), Vec<SeamFault>> {
+        let mut areas = vec![0.0; strips.len()];
+        patch_of.iter().enumerate().for_each(|(n, &i)| areas[i] += brep.face_area(FaceId(n)));
         let mut worst: (f64, Vec<usize>) = (0.0, Vec::new());
         let mut faults = Vec::new();
         for (i, &strip) in strips.iter().enumerate() {
-            let own = brep.face_area(FaceId(i));
+            let own = areas[i];
             let [low, meshed, high] = self.areas(i, strip);
             if !(own >= low && own <= high) {
                 let why = format!("its area {own} is not between {low} and {high}");

@@ -198,11 +198,14 @@ impl<'a> Work<'a> {
             }
             self.number();
             match shell::shell(&mut self) {
-                Ok((brep, gap)) => {
-                    let facets = self.patches.iter().filter(|p| p.is_facet).count();
-                    return Ok((brep, Report { patches: self.patches, facets, fallbacks, gap }));
+                Ok(shell::BuiltShell { brep, gap, patches }) => {
+                    let facets = patches.iter().filter(|p| p.is_facet).count();
+                    return Ok((brep, Report { patches, facets, fallbacks, gap }));
                 }
-                Err(found) => faults = found,
+                Err(found) => {
+                    if std::env::var("DBG").is_ok() { eprintln!("FAULTS {:?}", found.iter().map(|f| (&f.patches, &f.why)).take(5).collect::<Vec<_>>()); }
+                    faults = found
+                }
             }
         }
     }

@@ -21,11 +21,11 @@ const SHARE: f64 = 0.25;
 const FEWEST: usize = 33;
 const MOST: usize = 1500;
 
-/// The pcurve of an edge that starts at the parameters next to `near`, and its largest distance from the edge.
+/// The pcurve of an edge between two parameter points, and its largest distance from the edge.
 pub(super) fn pcurve(
     chart: &Chart,
     curve: &BrepCurve,
-    near: [f64; 2],
+    ends: [[f64; 2]; 2],
 ) -> Result<(PCurve, f64), String> {
     let (start, end) = curve.range();
     let at = |t: f64| Point::from(curve.point(t));
@@ -43,7 +43,10 @@ pub(super) fn pcurve(
     }
     let parameters = |t: &[f64]| {
         let points: Vec<Point> = t.iter().map(|&t| at(t)).collect();
-        chart.unwrapped(&points, Some(near))
+        let mut uv = chart.unwrapped(&points, Some(ends[0]));
+        let last = uv.len() - 1;
+        (uv[0], uv[last]) = (ends[0], ends[1]);
+        uv
     };
     let t = places(FEWEST);
     let uv = parameters(&t);

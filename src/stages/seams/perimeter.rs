@@ -44,6 +44,21 @@ pub(super) struct Stretch {
     pub forward: bool,
 }
 
+impl Stretch {
+    /// The parameters of its ends, in the direction of the loop.
+    pub fn ends(&self) -> [[f64; 2]; 2] {
+        let mut ends = self.range.map(|along| {
+            let mut uv = [self.at; 2];
+            uv[1 - self.line] = along;
+            uv
+        });
+        if !self.forward {
+            ends.reverse();
+        }
+        ends
+    }
+}
+
 impl Perimeter {
     /// The perimeter of a surface. On a torus v begins at `low`.
     pub fn of(surface: &BrepSurface, low: f64) -> Self {
@@ -97,6 +112,21 @@ impl Perimeter {
             true => PerimeterPlace { side: 1, along: -uv[0] },
             false => PerimeterPlace { side: 3, along: uv[0] },
         }
+    }
+
+    /// The parameters of a place, exactly on the cuts that it is on.
+    pub fn onto(&self, lines: [bool; 3], uv: [f64; 2]) -> [f64; 2] {
+        let [low, high] = self.cell;
+        let nearest = |k: usize| {
+            let is_high = uv[k] > 0.5 * (low[k] + high[k]);
+            if is_high { high[k] } else { low[k] }
+        };
+        [0, 1].map(|k| if lines[k] { nearest(k) } else { uv[k] })
+    }
+
+    /// Whether the domain is cut at all.
+    pub fn is_cut(&self) -> bool {
+        self.is_round
     }
 
     /// Whether two parameters along a cut are one.

@@ -10,7 +10,7 @@ use super::faces::FaceBuilder;
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
 use super::domain::FacePlan;
-use super::{Work, contact};
+use super::{FacePatch, Work, contact};
 use crate::geometry::{Point, Vector};
 
 /// The uncertainty in mm: the precision of modelling kernels.
@@ -19,8 +19,17 @@ const KERNEL: f64 = 1e-7;
 /// The uncertainty is larger than the largest gap by this factor, as gaps are measured at samples.
 const SLACK: f64 = 1.25;
 
+/// A shell that holds.
+pub(super) struct BuiltShell {
+    pub brep: Brep,
+    /// The largest distance in mm between an edge and its faces.
+    pub gap: f64,
+    /// For each face its triangles and their surface.
+    pub patches: Vec<FacePatch>,
+}
+
 /// Builds the shell of all patches.
-pub(super) fn shell(work: &mut Work) -> Result<(Brep, f64), Vec<SeamFault>> {
+pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     let mut network = work.network().map_err(|fault| vec![fault])?;
     work.lay_facets();
     work.agree(&network);
@@ -32,20 +41,27 @@ pub(super) fn shell(work: &mut Work) -> Result<(Brep, f64), Vec<SeamFault>> {
     work.refine(&mut network)?;
     let mut brep = Brep { uncertainty_mm: KERNEL, ..Brep::default() };
     let gap = work.edges(&mut network, &mut brep, &plans)?;
-    let mut builder = FaceBuilder { work, network: &network, brep: &mut brep, gap };
+    let (patch_of, triangles) = (Vec::new(), Vec::new());
+    let mut builder =
+        FaceBuilder { work, network: &network, brep: &mut brep, gap, patch_of, triangles };
     none(plans.iter().enumerate().filter_map(|(i, plan)| builder.face(i, plan).err()).collect())?;
-    let gap = builder.gap;
+    let FaceBuilder { gap, patch_of, triangles, .. } = builder;
     // Edges beside B-splines are as exact as these.
     brep.uncertainty_mm = KERNEL.max(SLACK * gap);
     let faces = (0..brep.faces.len()).map(FaceId).collect();
     brep.add_shell(Shell { faces, closed: true });
     let faults = brep.face_faults().into_iter();
-    none(faults.map(|(face, fault)| SeamFault::new(&[face.0], fault.to_string())).collect())?;
-    none(crossings(&brep, &network))?;
+    none(faults.map(|(face, fault)| SeamFault::new(&[patch_of[face.0]], fault.to_string())).collect())?;
+    none(crossings(&brep, &network, &patch_of))?;
     brep.check()
-        .map_err(|fault| vec![SeamFault::new(&patch_of(&brep, &fault), fault.to_string())])?;
-    work.guard(&brep, &strips)?;
-    Ok((brep, gap))
+        .map_err(|fault| {
+            let faces = faces_of(&brep, &fault).into_iter().map(|face| patch_of[face]);
+            vec![SeamFault::new(&faces.collect::<Vec<_>>(), fault.to_string())]
+        })?;
+    work.guard(&brep, &strips, &patch_of)?;
+    let of_face = |(&i, triangles): (&usize, Vec<u32>)| FacePatch { triangles, ..work.patches[i].clone() };
+    let patches = patch_of.iter().zip(triangles).map(of_face).collect();
+    Ok(BuiltShell { brep, gap, patches })
 }
 
 /// An error unless there are no faults.
@@ -53,8 +69,8 @@ pub(super) fn none(faults: Vec<SeamFault>) -> Result<(), Vec<SeamFault>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
-/// The patches that a fault speaks of. The number of a face is that of its patch.
-fn patch_of(brep: &Brep, fault: &ModelFault) -> Vec<usize> {
+/// The faces that a fault speaks of.
+fn faces_of(brep: &Brep, fault: &ModelFault) -> Vec<usize> {
     let element = match fault {
         ModelFault::Nothing(e) | ModelFault::Range(e) | ModelFault::Leaves(e) => *e,
         ModelFault::Measures(e, _) | ModelFault::OffSurface(e, _) => *e,
