@@ -71,18 +71,20 @@ def judged(step, truth):
     if "faces" not in found:
         return [found["remark"], "", ""]
     off = found["volume"] / truth["volume"] - 1
-    return [f"{found['faces']} of {truth['faces']}", found["valid"], f"{off:.0e}"]
+    faces = f"{found['faces']} of {truth['faces']}" + (", B-splines" if found["splines"] else "")
+    return [faces, found["valid"], f"{off:.0e}"]
 
 
 def measured(step):
     import check_occ as occ
-    from check_solid_occ import volume_of
+    from check_solid_occ import surfaces_of, volume_of
     from OCP.BRepCheck import BRepCheck_Analyzer
 
     raw = occ.read(step, heal=False)[2]
     is_valid = lambda shape: BRepCheck_Analyzer(shape).IsValid()
     valid = "yes" if is_valid(raw) else "healed" if is_valid(occ.read(step, heal=True)[2]) else "no"
-    return {"faces": len(occ.faces_of(raw)), "valid": valid, "volume": volume_of(raw)}
+    splines = surfaces_of(raw).count("BSplineSurface")
+    return {"faces": len(occ.faces_of(raw)), "splines": splines, "valid": valid, "volume": volume_of(raw)}
 
 
 def ours(options, stl, step):

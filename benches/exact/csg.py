@@ -1,8 +1,8 @@
 """Makes random parts, converts their meshes to exact solids, and prints a table.
 
-    target/occ/bin/python benches/exact/csg.py FIRST COUNT [--ours PROGRAM] [--out FOLDER] [--arguments] [--stop]
+    target/occ/bin/python benches/exact/csg.py SEEDS ... [--ours PROGRAM] [--out FOLDER] [--arguments] [--stop]
 
-PROGRAM is a built scan2step, which runs on one thread. tests/roundtrip/random_parts.py makes the parts. FOLDER keeps
+SEEDS are numbers, or ranges as 0-299. PROGRAM is a built scan2step, which runs on one thread. tests/roundtrip/random_parts.py makes the parts. FOLDER keeps
 what it made of each seed: SEED.stl, SEED.json (the truth), SEED.step and SEED.report.json. Parts that are there
 already are not made again.
 
@@ -47,7 +47,7 @@ def main():
     counts = {}
     columns = "seed operations triangles valid same volume mesh fallbacks facets_pct s verdict remarks"
     print(" | ".join(columns.split()))
-    for seed in range(options.first, options.first + options.count):
+    for seed in (seed for some in options.seeds for seed in some):
         row = run(options, seed)
         for key in (row["verdict"], *row["counts"]):
             counts[key] = counts.get(key, 0) + 1
@@ -163,10 +163,14 @@ def measured(path, arguments):
     return found
 
 
+def numbers(text):
+    first, _, last = text.partition("-")
+    return range(int(first), int(last or first) + 1)
+
+
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("first", type=int)
-    parser.add_argument("count", type=int)
+    parser.add_argument("seeds", metavar="SEEDS", nargs="+", type=numbers)
     parser.add_argument("--ours", type=Path, default=ROOT / "target/debug/scan2step")
     parser.add_argument("--out", type=Path, default=ROOT / "target/random_parts")
     parser.add_argument("--arguments", action="store_true")
