@@ -34,10 +34,45 @@ pub fn opencascade_solid(file: &Path) -> Value {
     answer(command)
 }
 
+/// Makes meshes of random parts in a folder, and the truth about each.
+pub fn make_random_parts(folder: &Path, seeds: &[u32]) {
+    run(&mut random_parts("make", folder, seeds));
+}
+
+/// The properties of the STEP files of random parts in OpenCASCADE without healing, for each seed.
+pub fn check_random_parts(folder: &Path, seeds: &[u32]) -> Value {
+    answer(random_parts("check", folder, seeds))
+}
+
+fn random_parts(task: &str, folder: &Path, seeds: &[u32]) -> Command {
+    let mut command = opencascade_script("random_parts.py");
+    command.arg(task).arg(folder).args(seeds.iter().map(u32::to_string));
+    command
+}
+
 /// The properties of a solid's file in FreeCAD, and the results of operations on it. `None` if
 /// FreeCAD is absent on purpose.
 pub fn freecad_solid(file: &Path) -> Option<Value> {
     let mut command = freecad_script("check_solid_freecad.py")?;
+    command.arg(file);
+    Some(answer(command))
+}
+
+/// Makes meshes of a designer's parts in a folder, and the truth about each.
+pub fn make_parts(folder: &Path) {
+    run(opencascade_script("operate_occ.py").arg("make").arg(folder));
+}
+
+/// What a designer's next steps on a solid give in OpenCASCADE.
+pub fn opencascade_operations(file: &Path) -> Value {
+    let mut command = opencascade_script("operate_occ.py");
+    command.arg(file);
+    answer(command)
+}
+
+/// What a designer's next steps on a solid give in FreeCAD. `None` if FreeCAD is absent on purpose.
+pub fn freecad_operations(file: &Path) -> Option<Value> {
+    let mut command = freecad_script("operate_freecad.py")?;
     command.arg(file);
     Some(answer(command))
 }
