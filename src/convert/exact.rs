@@ -75,6 +75,12 @@ pub(super) fn exact(
             None => return Ok(Exact::Unsuited),
         }
     }
+    // A small piece may have no significant face of its own.
+    let areas = found.iter().map(|one| one.mesh.area());
+    let significant = found.iter().map(|one| one.regions.significant * one.mesh.area());
+    if significant.sum::<f64>() <= regions::MOST_OF_IT * areas.sum::<f64>() {
+        return Ok(Exact::Unsuited);
+    }
     let shape = options.shape.unwrap_or(TargetShape::Solid);
     watch(Stage::Begin { shape, components: found.len(), why: None })?;
     let left_out = scan.sizes().iter().sum::<usize>()
@@ -101,7 +107,7 @@ pub(super) fn exact(
     })
 }
 
-/// The regions of a component, if it is closed and clean and they are significant.
+/// The regions of a component, unless it is noisy.
 fn regions_of(
     scan: &Components,
     component: Choice,
@@ -117,9 +123,6 @@ fn regions_of(
     }
     let options = regions::Options { unit: 1.0 / unit, keep_polygons: options.keep_polygons };
     let regions = regions::find(&measured, &options);
-    if !regions.is_significant() {
-        return Ok(None);
-    }
     Ok(Some(ExactComponent { component, shape, mesh, input, errors, regions }))
 }
 
@@ -142,7 +145,7 @@ pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<Ex
         return Ok(None);
     }
     let found = regions_of(scan, component, TargetShape::Solid, &options)?;
-    Ok(found.map(|found| {
+    Ok(found.filter(|found| found.regions.is_significant()).map(|found| {
         let regions = found.regions.regions.iter();
         let (facets, faces): (Vec<_>, Vec<_>) =
             regions.partition(|region| region.origin == RegionOrigin::Facet);
@@ -212,7 +215,7 @@ fn body(
         patches.iter_mut().for_each(|patch| patch.side = -patch.side);
     }
     let distances = Distances::of(&mesh, &patches);
-    if distances.explained <= regions::MOST_OF_IT {
+    if regions.is_significant() && distances.explained <= regions::MOST_OF_IT {
         return Ok(Err(format!(
             "{:.0} % of its area would be facets, as {}",
             100.0 * (1.0 - distances.explained),

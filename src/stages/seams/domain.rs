@@ -38,6 +38,27 @@ const AVOIDED: usize = 4;
 /// The vertices of a face that are tried as places of its cut.
 const MOST_TRIED: usize = 64;
 
+/// An angle at which a domain is cut.
+#[derive(Debug, Clone, Copy)]
+struct CutPlace {
+    middle: f64,
+    /// The width of the range around it that the face does not reach. It is 0 if the face is cut there.
+    width: f64,
+}
+
+impl CutPlace {
+    /// The same angle as the beginning of the domain. Readers move parameters that are far from the first period: the face
+    /// is in it if it can be, and else around its beginning.
+    fn begin(&self) -> f64 {
+        if self.width == 0.0 {
+            return around(self.middle);
+        }
+        let low = (self.middle + 0.5 * self.width).rem_euclid(TAU);
+        let is_within = low + TAU - self.width <= TAU;
+        low - 0.5 * self.width - if is_within { 0.0 } else { TAU }
+    }
+}
+
 impl Work<'_> {
     /// Chooses the frame of a face and the cuts of its domain. Its chains get vertices where they cross the cuts.
     pub(super) fn plan(&self, network: &mut ChainNetwork, i: usize) -> Result<FacePlan, SeamFault> {
@@ -59,12 +80,12 @@ impl Work<'_> {
             // Readers want the loop above the pole that is inside.
             chart = Chart::new(&surface, -axis).map_err(|why| fault(&why))?;
         }
-        chart = chart.turned(&surface, self.place_of_cut(network, i, &chart, 0));
+        let u = self.place_of_cut(network, i, &chart, 0).middle;
+        chart = chart.turned(&surface, u);
         self.cut(network, i, &chart, (0, 0.0));
         let mut v = 0.0;
         if surface.kind() == PrimitiveKind::Torus {
-            // Readers move parameters that are far from the first period.
-            v = around(self.place_of_cut(network, i, &chart, 1) + PI) - PI;
+            v = self.place_of_cut(network, i, &chart, 1).begin();
             self.cut(network, i, &chart, (1, v));
         }
         Ok(FacePlan { chart, v })
@@ -83,7 +104,7 @@ impl Work<'_> {
 
     /// The angle of a cut: outside of the face if it does not go around, else where the loops cross it least, at one of
     /// their vertices if there is one.
-    fn place_of_cut(&self, network: &ChainNetwork, i: usize, chart: &Chart, k: usize) -> f64 {
+    fn place_of_cut(&self, network: &ChainNetwork, i: usize, chart: &Chart, k: usize) -> CutPlace {
         let rings = network.loops[i].iter().map(|ring| network.ring_points(ring));
         let rings: Vec<Vec<f64>> = rings
             .map(|ring| chart.unwrapped(&ring, None).iter().map(|uv| uv[k]).collect())
@@ -115,7 +136,7 @@ impl Work<'_> {
             [here + AVOIDED * unclear, beside_vertices, vertices.len() - at_vertices]
         };
         let all = tried().chain(quarters).chain(between);
-        all.min_by_key(cost).unwrap_or(0.0)
+        CutPlace { middle: all.min_by_key(cost).unwrap_or(0.0), width: 0.0 }
     }
 
     /// The ranges of an angle that the triangles of a patch cover.
@@ -189,7 +210,9 @@ impl Work<'_> {
                     offs[from] * around(chart.parameters(place(middle)).0[k] - at) > 0.0;
                 if is_before { low = middle } else { high = middle }
             }
-            return Some((from, place(high)));
+            let p = place(high);
+            // A place beside the cut would be found again and again.
+            return (off(p) == 0.0).then_some((from, p));
         }
         None
     }
@@ -258,8 +281,8 @@ fn loop_normal(ring: &[Point]) -> Option<Vector> {
     areas.sum::<Vector>().try_normalize(f64::MIN_POSITIVE)
 }
 
-/// The middle of the widest range of an angle that no arc covers, if it is wide enough.
-fn widest_gap(arcs: Vec<[f64; 2]>) -> Option<f64> {
+/// The widest range of an angle that no arc covers, if it is wide enough.
+fn widest_gap(arcs: Vec<[f64; 2]>) -> Option<CutPlace> {
     let start = |arc: [f64; 2]| {
         let low = arc[0].rem_euclid(TAU);
         [low, low + arc[1] - arc[0]]
@@ -272,7 +295,7 @@ fn widest_gap(arcs: Vec<[f64; 2]>) -> Option<f64> {
     let mut best = (2.0 * CLEAR, None);
     for [low, high] in arcs.into_iter().chain([[first + TAU; 2]]) {
         if low - end > best.0 {
-            best = (low - end, Some(0.5 * (low + end)));
+            best = (low - end, Some(CutPlace { middle: 0.5 * (low + end), width: low - end }));
         }
         end = end.max(high);
     }

@@ -79,7 +79,7 @@ pub(super) struct FaceBuilder<'a> {
 }
 
 /// The seams of one face.
-struct Seams<'a> {
+struct FaceSeams<'a> {
     chart: &'a Chart,
     perimeter: Perimeter,
     /// The vertices on the cuts along v and along u, by their parameter there.
@@ -149,7 +149,7 @@ impl FaceBuilder<'_> {
         let chart = &plan.chart;
         let perimeter = Perimeter::of(&chart.surface, plan.v);
         let mut seams =
-            Seams { chart, perimeter, vertices: [Vec::new(), Vec::new()], edges: BTreeMap::new() };
+            FaceSeams { chart, perimeter, vertices: [Vec::new(), Vec::new()], edges: BTreeMap::new() };
         let mut runs = Vec::new();
         for ring in natural {
             runs.extend(self.runs(&mut seams, ring)?);
@@ -190,7 +190,7 @@ impl FaceBuilder<'_> {
     }
 
     /// The uses of all parts of a loop.
-    fn ring(&mut self, seams: &mut Seams, ring: &[LoopPart]) -> Result<Vec<EdgeUse>, String> {
+    fn ring(&mut self, seams: &mut FaceSeams, ring: &[LoopPart]) -> Result<Vec<EdgeUse>, String> {
         let mut uses = Vec::new();
         for part in ring {
             match part {
@@ -202,7 +202,7 @@ impl FaceBuilder<'_> {
     }
 
     /// The runs of a loop between its vertices on the perimeter, or the whole loop if it has none.
-    fn runs(&self, seams: &mut Seams, ring: &[ChainUse]) -> Result<Vec<EdgeRun>, String> {
+    fn runs(&self, seams: &mut FaceSeams, ring: &[ChainUse]) -> Result<Vec<EdgeRun>, String> {
         let chart = seams.chart;
         let on = |of: &ChainUse| {
             let vertex = self.start_of(*of);
@@ -299,7 +299,7 @@ impl FaceBuilder<'_> {
     }
 
     /// The vertices on a cut in the order of their parameter, with those at the ends of a stretch.
-    fn vertices_of(&mut self, seams: &mut Seams, stretch: &Stretch) -> Vec<(f64, VertexId)> {
+    fn vertices_of(&mut self, seams: &mut FaceSeams, stretch: &Stretch) -> Vec<(f64, VertexId)> {
         let line = stretch.line;
         for end in stretch.range {
             let is_there = |of: &&(f64, VertexId)| seams.perimeter.is_same(of.0, end, line);
@@ -328,7 +328,7 @@ impl FaceBuilder<'_> {
     }
 
     /// The uses of the edges along a stretch of the perimeter.
-    fn stretch(&mut self, seams: &mut Seams, stretch: &Stretch) -> Result<Vec<EdgeUse>, String> {
+    fn stretch(&mut self, seams: &mut FaceSeams, stretch: &Stretch) -> Result<Vec<EdgeUse>, String> {
         let line = stretch.line;
         let mut uses = Vec::new();
         for pair in self.vertices_of(seams, stretch).windows(2) {
@@ -415,7 +415,7 @@ fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
 }
 
 /// The circle of a torus on its cut along u between two values of u.
-fn circle_of_latitude(seams: &Seams, u: [f64; 2]) -> Result<BrepCurve, String> {
+fn circle_of_latitude(seams: &FaceSeams, u: [f64; 2]) -> Result<BrepCurve, String> {
     let BrepSurface::Torus { major, minor, .. } = seams.chart.surface else {
         return Err("a seam along u of no torus".into());
     };
