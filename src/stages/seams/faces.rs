@@ -148,8 +148,12 @@ impl FaceBuilder<'_> {
     ) -> Result<Vec<FaceLoops>, String> {
         let chart = &plan.chart;
         let perimeter = Perimeter::of(&chart.surface, plan.v);
-        let mut seams =
-            FaceSeams { chart, perimeter, vertices: [Vec::new(), Vec::new()], edges: BTreeMap::new() };
+        let mut seams = FaceSeams {
+            chart,
+            perimeter,
+            vertices: [Vec::new(), Vec::new()],
+            edges: BTreeMap::new(),
+        };
         let mut runs = Vec::new();
         for ring in natural {
             runs.extend(self.runs(&mut seams, ring)?);
@@ -328,7 +332,11 @@ impl FaceBuilder<'_> {
     }
 
     /// The uses of the edges along a stretch of the perimeter.
-    fn stretch(&mut self, seams: &mut FaceSeams, stretch: &Stretch) -> Result<Vec<EdgeUse>, String> {
+    fn stretch(
+        &mut self,
+        seams: &mut FaceSeams,
+        stretch: &Stretch,
+    ) -> Result<Vec<EdgeUse>, String> {
         let line = stretch.line;
         let mut uses = Vec::new();
         for pair in self.vertices_of(seams, stretch).windows(2) {
