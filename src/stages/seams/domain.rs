@@ -36,7 +36,10 @@ const JUMP: f64 = 1.5;
 const AVOIDED: usize = 4;
 
 /// The vertices of a face that are tried as places of its cut.
-const MOST_TRIED: usize = 64;
+const MOST_TRIED: usize = 16;
+
+/// The points of a loop that the cost of a cut is counted on.
+const MOST_COUNTED: usize = 500;
 
 /// An angle at which a domain is cut.
 #[derive(Debug, Clone, Copy)]
@@ -121,6 +124,11 @@ impl Work<'_> {
         let mut vertices: Vec<f64> = places.collect();
         vertices.sort_unstable_by(f64::total_cmp);
         let stride = vertices.len().div_ceil(MOST_TRIED).max(1);
+        let some = |ring: Vec<f64>| {
+            let stride = ring.len().div_ceil(MOST_COUNTED).max(1);
+            ring.into_iter().step_by(stride).collect()
+        };
+        let rings: Vec<Vec<f64>> = rings.into_iter().map(some).collect();
         let tried = || vertices.iter().copied().step_by(stride);
         let between = tried().zip(tried().skip(1)).map(|(a, b)| 0.5 * (a + b));
         let quarters = [0.0, FRAC_PI_2, PI, -FRAC_PI_2];

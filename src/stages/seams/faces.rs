@@ -58,11 +58,11 @@ enum LoopPart {
     Seam(Stretch),
 }
 
-/// The loops of a face, the outer one first, and the polygon of that in the domain, which begins at `cell`.
+/// The loops of a face, the outer one first, and the polygon of that in the domain.
 struct FaceLoops {
     loops: Vec<Vec<EdgeUse>>,
     outline: Vec<[f64; 2]>,
-    cell: [f64; 2],
+    perimeter: Perimeter,
 }
 
 /// What the faces share.
@@ -127,12 +127,8 @@ impl FaceBuilder<'_> {
             let corners = self.work.mesh.corners(self.work.mesh.triangles[t as usize]);
             let middle = corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0;
             let is_in = |face: &FaceLoops| {
-                let mut uv = chart.parameters(Point::from(middle)).0;
-                let periods = chart.surface.periods();
-                (0..2).for_each(|k| {
-                    uv[k] -= periods[k].map_or(0.0, |p| p * ((uv[k] - face.cell[k]) / p).floor())
-                });
-                is_inside(&face.outline, uv)
+                let uv = chart.parameters(Point::from(middle)).0;
+                is_inside(&face.outline, face.perimeter.into_cell(uv))
             };
             let home = if faces.len() > 1 { faces.iter().position(is_in) } else { None };
             divided[home.unwrap_or(0)].push(t);
@@ -178,11 +174,7 @@ impl FaceBuilder<'_> {
         let mut made = Vec::new();
         for ring in outer {
             let uses = self.ring(&mut seams, &ring)?;
-            made.push(FaceLoops {
-                loops: vec![uses],
-                outline: outline(&ring),
-                cell: perimeter.cell[0],
-            });
+            made.push(FaceLoops { loops: vec![uses], outline: outline(&ring), perimeter });
         }
         for ring in holes {
             let start = outline(&ring).first().copied().unwrap_or_default();
@@ -217,13 +209,7 @@ impl FaceBuilder<'_> {
         };
         let at: Vec<Option<(VertexId, [bool; 3])>> = ring.iter().map(on).collect();
         let Some(first) = at.iter().position(Option::is_some) else {
-            let mut run = self.run(chart, ring);
-            let [low, _] = seams.perimeter.cell;
-            let periods = chart.surface.periods();
-            let by =
-                |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
-            run.shift([by(0), by(1)]);
-            return Ok(vec![run]);
+            return Ok(vec![self.run(seams, ring)]);
         };
         let mut runs = Vec::new();
         let n = ring.len();
@@ -231,12 +217,7 @@ impl FaceBuilder<'_> {
         while from < first + n {
             let next = (from + 1..=first + n).find(|k| at[k % n].is_some()).unwrap_or(first + n);
             let uses: Vec<ChainUse> = (from..next).map(|k| ring[k % n]).collect();
-            let mut run = self.run(chart, &uses);
-            let [low, _] = seams.perimeter.cell;
-            let periods = chart.surface.periods();
-            let by =
-                |k: usize| periods[k].map_or(0.0, |p| -p * ((run.mean(k) - low[k]) / p).floor());
-            run.shift([by(0), by(1)]);
+            let mut run = self.run(seams, &uses);
             let ends = [(from, run.start()), (next, run.end())].map(|(k, uv)| {
                 let (vertex, lines) = at[k % n]?;
                 let uv = seams.perimeter.onto(lines, uv);
@@ -259,7 +240,9 @@ impl FaceBuilder<'_> {
         Ok(runs)
     }
 
-    fn run(&self, chart: &Chart, uses: &[ChainUse]) -> EdgeRun {
+    /// The run of some uses, in the domain.
+    fn run(&self, seams: &FaceSeams, uses: &[ChainUse]) -> EdgeRun {
+        let chart = seams.chart;
         let mut near = None;
         let mut uv = Vec::new();
         for &(chain, forward) in uses {
@@ -273,7 +256,11 @@ impl FaceBuilder<'_> {
             near = along.last().copied();
             uv.push(along);
         }
-        EdgeRun { uses: uses.to_vec(), uv, ends: None }
+        let mut run = EdgeRun { uses: uses.to_vec(), uv, ends: None };
+        let mean = [run.mean(0), run.mean(1)];
+        let into = seams.perimeter.into_cell(mean);
+        run.shift([into[0] - mean[0], into[1] - mean[1]]);
+        run
     }
 
     fn uses(&mut self, chart: &Chart, run: &EdgeRun) -> Result<Vec<EdgeUse>, String> {

@@ -126,6 +126,14 @@ impl Perimeter {
         [0, 1].map(|k| if lines[k] { nearest(k) } else { uv[k] })
     }
 
+    /// Parameters moved by whole periods into the domain.
+    pub fn into_cell(&self, uv: [f64; 2]) -> [f64; 2] {
+        let low = self.cell[0];
+        let moved = |k: usize| uv[k] - TAU * ((uv[k] - low[k]) / TAU).floor();
+        let u = if self.is_round { moved(0) } else { uv[0] };
+        [u, if self.is_torus { moved(1) } else { uv[1] }]
+    }
+
     /// Whether the domain is cut at all.
     pub fn is_cut(&self) -> bool {
         self.is_round
