@@ -9,50 +9,33 @@ use std::path::Path;
 use common::{arg, converted, fixture, inspect, json, number};
 use serde_json::{Value, json};
 
-/// A plate of a height with a hole, as ASCII STL. Both outlines have as many corners, one beside the other.
-fn plate(outer: &[[f64; 2]], hole: &[[f64; 2]], height: f64, number: fn(f64) -> String) -> String {
-    let of = |outline: &[[f64; 2]], k: usize, z: f64| {
-        let [x, y] = outline[k % outline.len()];
-        [x, y, z]
+/// A ring along z with these radii and height, as ASCII STL with numbers of 32 bits. The axis of its bore is
+/// beside that of its outside by an offset.
+fn ring([outer, inner]: [f64; 2], height: f64, offset: f64) -> String {
+    const SIDES: u32 = 48;
+    let at = |k: u32, radius: f64, x: f64, z: f64| {
+        let (sin, cos) = (TAU * f64::from(k % SIDES) / f64::from(SIDES)).sin_cos();
+        [x + radius * cos, radius * sin, z]
     };
-    let mut text = String::from("solid plate\n");
-    for k in 0..outer.len() {
-        let side = |outline| {
-            [
-                of(outline, k, 0.0),
-                of(outline, k + 1, 0.0),
-                of(outline, k + 1, height),
-                of(outline, k, height),
-            ]
-        };
-        let ([a, b, c, d], [e, f, g, h]) = (side(outer), side(hole));
+    let [out, within] = [(outer, 0.0), (inner, offset)].map(|(radius, x)| {
+        move |k: u32, top: bool| at(k, radius, x, if top { height } else { 0.0 })
+    });
+    let mut text = String::from("solid ring\n");
+    for k in 0..SIDES {
+        let [a, b, c, d] = [out(k, false), out(k + 1, false), out(k + 1, true), out(k, true)];
+        let [e, f, g, h] =
+            [within(k, false), within(k + 1, false), within(k + 1, true), within(k, true)];
         for [p, q, r, s] in [[a, b, c, d], [f, e, h, g], [d, c, g, h], [b, a, e, f]] {
             for triangle in [[p, q, r], [p, r, s]] {
                 text += "facet normal 0 0 0\nouter loop\n";
-                for [x, y, z] in triangle.map(|corner| corner.map(number)) {
+                for [x, y, z] in triangle.map(|corner| corner.map(|x| x as f32)) {
                     writeln!(text, "vertex {x} {y} {z}").expect("text");
                 }
                 text += "endloop\nendfacet\n";
             }
         }
     }
-    text + "endsolid plate\n"
-}
-
-/// A circle about a point of the x axis, with 48 corners.
-fn circle(radius: f64, x: f64) -> Vec<[f64; 2]> {
-    let angles = (0..48).map(|k| TAU * f64::from(k) / 48.0);
-    angles.map(|a| [x + radius * a.cos(), radius * a.sin()]).collect()
-}
-
-/// Numbers of 32 bits.
-fn single(x: f64) -> String {
-    (x as f32).to_string()
-}
-
-/// Numbers of three decimals.
-fn thousandths(x: f64) -> String {
-    format!("{x:.3}")
+    text + "endsolid ring\n"
 }
 
 /// Converts a scan with a report and a page, and returns the messages, the report and the page.
@@ -117,42 +100,12 @@ fn a_ring_is_coaxial_only_if_its_axes_are_one_line() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = folder.path().join("ring.stl");
     for (offset, kind) in [(0.0, "coaxial"), (0.001, "parallel")] {
-        std::fs::write(&scan, plate(&circle(10.0, 0.0), &circle(6.0, offset), 7.0, single))
-            .expect("a file");
+        std::fs::write(&scan, ring([10.0, 6.0], 7.0, offset)).expect("a file");
         let (said, report, _) = told(&scan, folder.path());
         let relation = json!([{ "kind": kind, "cylinders": [0, 1], "to": [] }]);
         assert_eq!(report["exact"]["relations"], relation, "{offset}: {said}");
         assert!(said.contains(&format!("relations: 2 {kind}")), "{said}");
     }
-}
-
-#[test]
-fn a_bore_that_a_keyway_divides_is_one_cylinder() {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let scan = folder.path().join("keyway.stl");
-    // Two arcs of a radius that is not round, and the keyway across.
-    let (radius, half_width) = (7.12345_f64, 2.0_f64);
-    let first = (half_width / radius).asin();
-    let arc = |from: f64| {
-        (0..=22).map(move |k| {
-            let (sin, cos) = (from + (0.5 * TAU - 2.0 * first) * f64::from(k) / 22.0).sin_cos();
-            [radius * cos, radius * sin]
-        })
-    };
-    let mut hole: Vec<[f64; 2]> = arc(first).collect();
-    hole.extend([[-9.0, half_width], [-9.0, -half_width]]);
-    hole.extend(arc(0.5 * TAU + first));
-    hole.extend([[9.0, -half_width], [9.0, half_width]]);
-    let beside = |[x, y]: [f64; 2]| [15.0 * x / x.hypot(y), 15.0 * y / x.hypot(y)];
-    let outer: Vec<[f64; 2]> = hole.iter().copied().map(beside).collect();
-    std::fs::write(&scan, plate(&outer, &hole, 10.0, thousandths)).expect("a file");
-    let (said, report, _) = told(&scan, folder.path());
-    let rows = report["exact"]["cylinders"].as_array().expect("a list");
-    assert_eq!(rows.len(), 2, "{said}");
-    assert_eq!(rows[1]["faces"].as_array().expect("a list").len(), 2, "{said}");
-    assert!((number(&rows[1], "/radius_mm") - radius).abs() < 1e-3, "{said}");
-    let open = 4.0 * first.to_degrees();
-    assert!((number(&rows[1], "/sweep_deg") + open - 360.0).abs() < 0.1, "{said}");
 }
 
 #[test]

@@ -216,8 +216,6 @@ impl FacetFigures {
 fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
     let mut found: Vec<(Primitive, CylinderFigures)> = Vec::new();
     let extents = extents(fit);
-    let slack = relations::OF_TWO * fit.rounding;
-    let is_one = |a: &Primitive, b: &Primitive, length| is_one_within(a, b, length, slack);
     for (number, face) in fit.faces.iter().enumerate() {
         let Primitive::Cylinder { radius, axis, .. } = face.surface else { continue };
         let kind = if face.side < 0.0 { "bore" } else { "shaft" };
@@ -250,8 +248,8 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
     }
     let arcs = arcs(fit);
     let named = |(_, row): (Primitive, CylinderFigures)| {
-        let arcs = row.faces.iter().flat_map(|&face| arcs[face].iter().copied());
-        let covered = covered(arcs.collect(), slack / row.radius_mm);
+        let covered =
+            covered(row.faces.iter().flat_map(|&face| arcs[face].iter().copied()).collect());
         let kind = match (covered >= TAU, row.kind) {
             (false, "bore") => "fillet",
             (false, _) => "round",
@@ -271,8 +269,11 @@ fn upright(axis: [f64; 3]) -> [f64; 3] {
     axis.map(|x| if largest < 0.0 { 0.0 - x } else { x + 0.0 })
 }
 
-/// Whether two cylinders are one, over a length. The slack is what the rounding leaves open of a length.
-fn is_one_within(a: &Primitive, b: &Primitive, length: f64, slack: f64) -> bool {
+/// Surfaces that CAD programs take for one: they store lengths to so many mm.
+const SAME: f64 = 1e-6;
+
+/// Whether two cylinders are one, over a length.
+fn is_one(a: &Primitive, b: &Primitive, length: f64) -> bool {
     let (
         Primitive::Cylinder { origin, axis, radius },
         Primitive::Cylinder { axis: other, radius: wide, .. },
@@ -282,8 +283,8 @@ fn is_one_within(a: &Primitive, b: &Primitive, length: f64, slack: f64) -> bool 
     };
     let from_axis = |p: Point| (p - origin).cross(&axis).norm();
     let at = b.origin();
-    (radius - wide).abs() <= slack
-        && [at, at + length * other].into_iter().all(|p| from_axis(p) <= slack)
+    (radius - wide).abs() <= SAME
+        && [at, at + length * other].into_iter().all(|p| from_axis(p) <= SAME)
 }
 
 /// The ends of the axis of each face.
@@ -330,13 +331,13 @@ fn arcs(fit: &ExactFit) -> Vec<Vec<[f64; 2]>> {
     arcs
 }
 
-/// How much of a turn some arcs cover, up to 2π. Gaps of the size of the rounding, as an angle, are none.
-fn covered(mut arcs: Vec<[f64; 2]>, rounding: f64) -> f64 {
+/// How much of a turn some arcs cover, up to 2π. Gaps of the size of rounding errors are none.
+fn covered(mut arcs: Vec<[f64; 2]>) -> f64 {
     arcs.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let Some(first) = arcs.first().map(|arc| arc[0]) else { return 0.0 };
     let (mut end, mut gaps) = (first, 0.0);
     for [start, stop] in arcs.into_iter().chain([[first + TAU; 2]]) {
-        if start > end + rounding {
+        if start > end + SAME {
             gaps += start - end;
         }
         end = end.max(stop);

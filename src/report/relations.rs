@@ -18,7 +18,7 @@ pub struct RelationFigures {
 }
 
 /// Two values differ by so many roundings at most if the true ones are the same, as each is known within one.
-pub(super) const OF_TWO: f64 = 2.0;
+const OF_TWO: f64 = 2.0;
 
 /// What counts as the same. Axes that are parallel within the rounding have been made so exactly, and others are
 /// told apart: over the whole part they leave each other by more than the rounding.
