@@ -128,7 +128,7 @@ impl FaceBuilder<'_> {
             let middle = corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0;
             let is_in = |face: &FaceLoops| {
                 let uv = chart.parameters(Point::from(middle)).0;
-                is_inside(&face.outline, face.perimeter.into_cell(uv))
+                is_inside(&face.outline, face.perimeter.in_cell(uv))
             };
             let home = if faces.len() > 1 { faces.iter().position(is_in) } else { None };
             divided[home.unwrap_or(0)].push(t);
@@ -258,7 +258,7 @@ impl FaceBuilder<'_> {
         }
         let mut run = EdgeRun { uses: uses.to_vec(), uv, ends: None };
         let mean = [run.mean(0), run.mean(1)];
-        let into = seams.perimeter.into_cell(mean);
+        let into = seams.perimeter.in_cell(mean);
         run.shift([into[0] - mean[0], into[1] - mean[1]]);
         run
     }

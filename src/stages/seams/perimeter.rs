@@ -127,7 +127,7 @@ impl Perimeter {
     }
 
     /// Parameters moved by whole periods into the domain.
-    pub fn into_cell(&self, uv: [f64; 2]) -> [f64; 2] {
+    pub fn in_cell(&self, uv: [f64; 2]) -> [f64; 2] {
         let low = self.cell[0];
         let moved = |k: usize| uv[k] - TAU * ((uv[k] - low[k]) / TAU).floor();
         let u = if self.is_round { moved(0) } else { uv[0] };
