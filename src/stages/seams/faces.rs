@@ -11,13 +11,12 @@ use super::network::{ChainNetwork, ChainUse};
 use super::pcurves::pcurve;
 use super::perimeter::{Perimeter, PerimeterPlace, Stretch};
 use super::{EXACT, Work};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Uv, Vector, is_inside};
 
 /// The samples of an edge that follow its parameters around the surface.
 const SAMPLES: usize = 25;
 
 /// Consecutive uses in the natural orientation of the surface, with the parameters along each of them.
-#[derive(Clone)]
 struct EdgeRun {
     uses: Vec<ChainUse>,
     uv: Vec<Vec<[f64; 2]>>,
@@ -46,6 +45,10 @@ impl EdgeRun {
         self.uv.iter_mut().flatten().for_each(|uv| *uv = [uv[0] + by[0], uv[1] + by[1]]);
     }
 
+    fn polygon(&self) -> Vec<Uv> {
+        self.uv.iter().flatten().map(|&uv| Uv::from(uv)).collect()
+    }
+
     fn mean(&self, k: usize) -> f64 {
         let all = || self.uv.iter().flatten().map(|uv| uv[k]);
         all().sum::<f64>() / all().count() as f64
@@ -61,7 +64,7 @@ enum LoopPart {
 /// The loops of a face, the outer one first, and the polygon of that in the domain.
 struct FaceLoops {
     loops: Vec<Vec<EdgeUse>>,
-    outline: Vec<[f64; 2]>,
+    outline: Vec<Uv>,
     perimeter: Perimeter,
 }
 
@@ -122,15 +125,17 @@ impl FaceBuilder<'_> {
     /// The triangles of each face of a patch: those whose middle it holds.
     fn divided(&self, i: usize, chart: &Chart, faces: &[FaceLoops]) -> Vec<Vec<u32>> {
         let all = &self.work.patches[i].triangles;
+        if faces.len() == 1 {
+            return vec![all.clone()];
+        }
         let mut divided = vec![Vec::new(); faces.len()];
         for &t in all {
             let corners = self.work.mesh.corners(self.work.mesh.triangles[t as usize]);
             let middle = corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0;
-            let is_in = |face: &FaceLoops| {
-                let uv = chart.parameters(Point::from(middle)).0;
-                is_inside(&face.outline, face.perimeter.in_cell(uv))
-            };
-            let home = if faces.len() > 1 { faces.iter().position(is_in) } else { None };
+            let uv = chart.parameters(Point::from(middle)).0;
+            let is_in =
+                |face: &FaceLoops| is_inside(Uv::from(face.perimeter.in_cell(uv)), &face.outline);
+            let home = faces.iter().position(is_in);
             divided[home.unwrap_or(0)].push(t);
         }
         divided
@@ -158,17 +163,17 @@ impl FaceBuilder<'_> {
             runs.into_iter().partition(|run| run.ends.is_some());
         let mut outer = traced(open, &perimeter)?;
         let (around, holes): (Vec<EdgeRun>, Vec<EdgeRun>) =
-            closed.into_iter().partition(|run| area_of(run.uv.iter().flatten().copied()) > 0.0);
+            closed.into_iter().partition(|run| area(&run.polygon()) > 0.0);
         outer.extend(around.into_iter().map(|run| vec![LoopPart::Run(run)]));
         let mut holes: Vec<Vec<LoopPart>> =
             holes.into_iter().map(|run| vec![LoopPart::Run(run)]).collect();
         // A loop that only touches the perimeter may be a hole.
-        let touching = outer.extract_if(.., |ring| area(ring) <= 0.0);
+        let touching = outer.extract_if(.., |ring| area(&outline(ring)) <= 0.0);
         holes.extend(touching);
         if outer.is_empty() {
             outer.push(perimeter.whole()?.into_iter().map(LoopPart::Seam).collect());
         }
-        if outer.len() > 1 && !perimeter.is_cut() {
+        if outer.len() > 1 && !perimeter.is_cut {
             return Err(format!("{} outer loops", outer.len()));
         }
         let mut made = Vec::new();
@@ -178,7 +183,7 @@ impl FaceBuilder<'_> {
         }
         for ring in holes {
             let start = outline(&ring).first().copied().unwrap_or_default();
-            let home = made.iter().position(|face| is_inside(&face.outline, start));
+            let home = made.iter().position(|face| is_inside(start, &face.outline));
             let uses = self.ring(&mut seams, &ring)?;
             made[home.unwrap_or(0)].loops.push(uses);
         }
@@ -342,12 +347,7 @@ impl FaceBuilder<'_> {
                     (edge, [start, end])
                 }
             };
-            let at = |along: f64| {
-                let mut uv = [stretch.at; 2];
-                uv[1 - line] = along;
-                uv
-            };
-            let pcurve = PCurve::line(at(from), at(to), (range[0], range[1]))?;
+            let pcurve = PCurve::line(stretch.uv(from), stretch.uv(to), (range[0], range[1]))?;
             uses.push(EdgeUse { edge, forward: stretch.forward, pcurve });
         }
         if !stretch.forward {
@@ -382,31 +382,18 @@ impl FaceBuilder<'_> {
 }
 
 /// The polygon of a loop.
-fn outline(ring: &[LoopPart]) -> Vec<[f64; 2]> {
+fn outline(ring: &[LoopPart]) -> Vec<Uv> {
     let points = ring.iter().flat_map(|part| match part {
-        LoopPart::Run(run) => run.uv.concat(),
-        LoopPart::Seam(stretch) => stretch.ends().to_vec(),
+        LoopPart::Run(run) => run.polygon(),
+        LoopPart::Seam(stretch) => stretch.ends().map(Uv::from).to_vec(),
     });
     points.collect()
 }
 
-fn area(ring: &[LoopPart]) -> f64 {
-    area_of(outline(ring).into_iter())
-}
-
 /// The area of a polygon, positive if it runs counter-clockwise.
-fn area_of(polygon: impl Iterator<Item = [f64; 2]> + Clone) -> f64 {
-    let next = polygon.clone().skip(1).chain(polygon.clone().take(1));
-    0.5 * polygon.zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>()
-}
-
-/// Whether a polygon goes around a point.
-fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
-    let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
-    let crossed = sides.filter(|(a, b)| {
-        (a[1] > y) != (b[1] > y) && x < a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1])
-    });
-    crossed.count() % 2 == 1
+fn area(polygon: &[Uv]) -> f64 {
+    let next = polygon.iter().cycle().skip(1);
+    0.5 * polygon.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>()
 }
 
 /// The circle of a torus on its cut along u between two values of u.

@@ -18,8 +18,8 @@ pub(super) struct Perimeter {
     pub cell: [[f64; 2]; 2],
     /// Whether v has a period.
     is_torus: bool,
-    /// Whether u goes around.
-    is_round: bool,
+    /// Whether u goes around, so that the domain is cut.
+    pub is_cut: bool,
     /// Whether the sides at the lowest and at the highest v are points of the surface.
     poles: [bool; 2],
 }
@@ -29,6 +29,14 @@ pub(super) struct Perimeter {
 pub(super) struct PerimeterPlace {
     side: usize,
     along: f64,
+}
+
+impl PerimeterPlace {
+    /// Whether it is on the same side as another place and before that.
+    fn is_behind(&self, other: &PerimeterPlace) -> bool {
+        let along = other.along;
+        self.side == other.side && self.along < along - SAME * along.abs().max(1.0)
+    }
 }
 
 /// A part of one side.
@@ -45,13 +53,16 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
+    /// The parameters of a place on it.
+    pub fn uv(&self, along: f64) -> [f64; 2] {
+        let mut uv = [self.at; 2];
+        uv[1 - self.line] = along;
+        uv
+    }
+
     /// The parameters of its ends, in the direction of the loop.
     pub fn ends(&self) -> [[f64; 2]; 2] {
-        let mut ends = self.range.map(|along| {
-            let mut uv = [self.at; 2];
-            uv[1 - self.line] = along;
-            uv
-        });
+        let mut ends = self.range.map(|along| self.uv(along));
         if !self.forward {
             ends.reverse();
         }
@@ -74,7 +85,7 @@ impl Perimeter {
         Perimeter {
             cell: [[0.0, v[0]], [TAU, v[1]]],
             is_torus: matches!(surface, BrepSurface::Torus { .. }),
-            is_round: surface.periods()[0].is_some(),
+            is_cut: surface.periods()[0].is_some(),
             poles: match surface {
                 BrepSurface::Sphere { .. } => [true; 2],
                 BrepSurface::Cone { .. } => [true, false],
@@ -85,7 +96,7 @@ impl Perimeter {
 
     /// Whether a point of the surface is on the cut along v, on that along u, and at a pole. None if it is on neither.
     pub fn lines_at(&self, chart: &Chart, p: Point, limit: f64) -> Option<[bool; 3]> {
-        if !self.is_round {
+        if !self.is_cut {
             return None;
         }
         let is_pole = chart.parameters(p).1;
@@ -130,13 +141,8 @@ impl Perimeter {
     pub fn in_cell(&self, uv: [f64; 2]) -> [f64; 2] {
         let low = self.cell[0];
         let moved = |k: usize| uv[k] - TAU * ((uv[k] - low[k]) / TAU).floor();
-        let u = if self.is_round { moved(0) } else { uv[0] };
+        let u = if self.is_cut { moved(0) } else { uv[0] };
         [u, if self.is_torus { moved(1) } else { uv[1] }]
-    }
-
-    /// Whether the domain is cut at all.
-    pub fn is_cut(&self) -> bool {
-        self.is_round
     }
 
     /// Whether two parameters along a cut are one.
@@ -148,9 +154,8 @@ impl Perimeter {
     /// Which of two places comes first counter-clockwise from another one. A place that is the same comes first.
     pub fn order(&self, from: PerimeterPlace, a: PerimeterPlace, b: PerimeterPlace) -> Ordering {
         let rank = |p: PerimeterPlace| {
-            let is_behind =
-                p.side == from.side && p.along < from.along - SAME * from.along.abs().max(1.0);
-            ((p.side + 4 - from.side) % 4 + if is_behind { 4 } else { 0 }, p.along)
+            let turn = if p.is_behind(&from) { 4 } else { 0 };
+            ((p.side + 4 - from.side) % 4 + turn, p.along)
         };
         let (x, y) = (rank(a), rank(b));
         x.0.cmp(&y.0).then(x.1.total_cmp(&y.1))
@@ -165,8 +170,7 @@ impl Perimeter {
         let mut all = Vec::new();
         let mut at = from;
         loop {
-            let is_last =
-                at.side == to.side && to.along >= at.along - SAME * at.along.abs().max(1.0);
+            let is_last = at.side == to.side && !to.is_behind(&at);
             let end = if is_last { to.along } else { self.ends(at.side)[1] };
             all.extend(self.stretch(at.side, at.along, end)?);
             if is_last {
@@ -208,7 +212,7 @@ impl Perimeter {
         }
         if !(from.is_finite() && to.is_finite())
             || (side % 2 == 1 && !self.is_torus)
-            || !self.is_round
+            || !self.is_cut
         {
             return Err("0 outer loops".into());
         }
