@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut mesh = build.mesh.clone();
     mesh.points.iter_mut().for_each(|p: &mut Point| *p *= build.mm);
     let errors: Vec<f64> = errors.iter().map(|e| e * build.mm).collect();
-    let options = seams::Options { name: "part".into() };
+    let options = seams::Options { name: "part".into(), ..Default::default() };
     let (brep, report) = solid(&mesh, &errors, patches.collect(), &options)?;
     let kinds = report.kinds();
     let count = |kind: PrimitiveKind| kinds.iter().filter(|&&k| k == kind).count();

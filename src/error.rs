@@ -20,7 +20,7 @@ pub enum Error {
     #[error(transparent)]
     File(#[from] formats::Error),
     /// A scan that was read from a file cannot be converted.
-    #[error("{}: {error}", file.display())]
+    #[error("{}: {error}", formats::words::printable(&file.to_string_lossy()))]
     Scan {
         /// The file as the user named it.
         file: PathBuf,
@@ -151,6 +151,9 @@ pub enum Error {
     /// No layout of faces was found on a body.
     #[error("no layout of faces was found: {0}")]
     Layout(&'static str),
+    /// A body would have far more faces than anyone wants.
+    #[error("the scan is so rough that it would become about {}", plural(*.0, "face"))]
+    ManyFaces(usize),
     /// The faces of a solid turn over, or go through each other.
     #[error("the faces fold back or go through each other at {}, one near {}", plural(*count, "place"), mm(at))]
     BodyFolds {
@@ -408,6 +411,7 @@ impl Error {
             Error::Folded { .. } | Error::BodyFolds { .. } => {
                 "repair or remesh the scan around that place".into()
             }
+            Error::ManyFaces(_) => "name the number of `faces`, thin the scan, convert a part of it, or name the `shape` face with a `tolerance` that passes over its details".into(),
             Error::Layout(_) => {
                 "remesh the scan with even triangles, or cut it open and convert the pieces".into()
             }

@@ -133,10 +133,12 @@ pub mod threads;
 pub mod words;
 
 pub use convert::{
-    Body, BodyEstimate, BodyFit, Builder, Conversion, Cut, ExactEstimate, ExactFace, ExactFit,
-    InputReport, Inspection, Measured, Memory, Missed, NetworkFit, Observer, Options, Part,
-    PieceReport, Scan, ScanPlace, Seams, Stage, SurfaceChoice, SurfaceFit, TargetShape,
-    cloud_components, convert, convert_file, cut, inspect, measured, mesh_components, shape, voids,
+    AssemblyConversion, Body, BodyEstimate, BodyFit, Builder, Conversion, ConvertedPart, Cut,
+    EdgeChoice, ExactEstimate, ExactFace, ExactFit, InputReport, InspectedPart, Inspection,
+    LeftFilled, Measured, Memory, Missed, NetworkFit, Observer, Options, Part, PieceReport, Scan,
+    ScanPlace, ScenePart, Seams, Stage, SurfaceChoice, SurfaceFit, TargetShape, cloud_components,
+    convert, convert_file, convert_scene, cut, has_parts, inspect, inspect_scene, is_same_file,
+    measured, mesh_components, shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

@@ -21,6 +21,9 @@ pub enum Fault {
     /// An angle of the advancing front must be between 0 and π.
     #[error("not an angle between 0 and π")]
     Angle,
+    /// An edge must be sharp from an angle between 0° and 180° on.
+    #[error("not an angle between 0° and 180°")]
+    Degrees,
     /// A point must have finite coordinates.
     #[error("not a point with finite coordinates")]
     Point,
@@ -118,6 +121,11 @@ pub fn share(share: f64) -> Result<()> {
 /// Checks an angle of the advancing front, in radians.
 pub fn angle(radians: f64) -> Result<()> {
     must(radians > 0.0 && radians < PI, Fault::Angle)
+}
+
+/// Checks an angle from which on an edge is sharp, in degrees.
+pub fn degrees(degrees: f64) -> Result<()> {
+    must(degrees > 0.0 && degrees.to_radians() < PI, Fault::Degrees)
 }
 
 /// Checks that points are finite.

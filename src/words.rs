@@ -1,6 +1,6 @@
 //! Numbers formatted for people, and what repairs are called.
 
-pub use formats::words::{grouped, plural};
+pub use formats::words::{grouped, plural, printable, printable_lines};
 
 /// Formats a length in mm with four significant digits. Scans range from the size of a mountain to,
 /// with a wrong unit, the size of a grain.
@@ -63,7 +63,7 @@ pub fn tolerance_reason(tolerance: f64, noise: f64) -> String {
 }
 
 /// The kinds of repairs, and what was done in plain words: the thing, and what happened to it.
-const REPAIRS: [(&str, &str, &str); 16] = [
+const REPAIRS: [(&str, &str, &str); 17] = [
     ("degenerate_faces", "face", " without area left out"),
     ("duplicate_faces", "face", " left out, because the file has it twice"),
     ("dust_components", "tiny piece", " left out"),
@@ -71,6 +71,11 @@ const REPAIRS: [(&str, &str, &str); 16] = [
     ("faces_dropped_at_non_manifold_edges", "face", " left out at edges of more than two faces"),
     ("faces_with_non_finite_vertices", "face", " left out, with a corner that is not a number"),
     ("flipped_faces", "face", " turned to face the same way as the others"),
+    (
+        "joined_rim_vertices",
+        "vertex",
+        " of rims joined with another one that is far nearer than the edges there",
+    ),
     ("non_finite_vertices", "vertex", " left out, with coordinates that are not numbers"),
     ("opened_edges", "edge", " separated where more than two faces met"),
     ("opened_vertices", "vertex", " added to separate sheets that met at a point"),

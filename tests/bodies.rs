@@ -69,13 +69,6 @@ fn torus_text(
     text
 }
 
-fn check_schema(report: &serde_json::Value) {
-    let schema = json(&common::root().join("docs/report.schema.json"));
-    let schema = jsonschema::draft202012::new(&schema).expect("the schema is one");
-    let faults: Vec<String> = schema.iter_errors(report).map(|e| e.to_string()).collect();
-    assert!(faults.is_empty(), "{faults:?} in {report:#}");
-}
-
 fn volume() -> f64 {
     2.0 * PI * PI * RADII[0] * RADII[1] * RADII[1]
 }
@@ -155,7 +148,7 @@ fn single_faces_get_more_knots_where_they_miss_the_tolerance() {
     bumpy_torus(&scan);
     splined(&[arg(&scan), arg(&step), "--tolerance", "0.05", "--report", arg(&report)]);
     let report = json(&report);
-    check_schema(&report);
+    common::assert_schema(&report);
     assert_eq!(report["tolerance_met"], true, "{report}");
     assert_eq!((&report["shape"]["folds"], &report["shape"]["free_edges"]), (&0.into(), &0.into()));
     // Without more knots in single faces, all faces have the same net, and the bump misses the tolerance.
@@ -317,7 +310,7 @@ fn a_body_has_a_page_and_a_picture() {
     let files = [&page, &picture, &report].map(|file| ["--report", arg(file)]).concat();
     splined(&[&[arg(&path("torus.obj")), arg(&path("torus.step"))], &files[..]].concat());
     let text = std::fs::read_to_string(&page).expect("a page");
-    check_schema(&json(&report));
+    common::assert_schema(&json(&report));
     let faces = number(&json(&report), "/shape/faces");
     for words in [format!("a solid of {faces} faces"), "irregular vertices".into()] {
         assert!(text.contains(&words), "{words}");
@@ -342,7 +335,7 @@ fn open_bodies_become_shells_with_their_ends_open() {
         let asked = ["--report", arg(&report), "--iges", "brep"];
         splined(&[&[arg(&scan), arg(&step), arg(&iges)], &asked[..]].concat());
         let report = json(&report);
-        check_schema(&report);
+        common::assert_schema(&report);
         let shape = &report["shape"];
         assert_eq!((&shape["kind"], &shape["shells"]), (&"shell".into(), &1.into()), "{name}");
         assert_eq!((&shape["folds"], &shape["solids"]), (&0.into(), &0.into()), "{name}");
@@ -388,7 +381,7 @@ fn a_torus_in_a_torus_is_a_void_if_it_faces_inwards() {
         let all = ["--component", "all", "--report", arg(&report)];
         splined(&[&[arg(&scan), arg(&step)], &all[..]].concat());
         let report = json(&report);
-        check_schema(&report);
+        common::assert_schema(&report);
         let volumes = [0, 1].map(|k| number(&report, &format!("/components/{k}/shape/volume_mm3")));
         let inner = 2.0 * PI * PI * RADII[0] * 64.0 * if voids == 1 { -1.0 } else { 1.0 };
         for (found, there) in volumes.into_iter().zip([volume(), inner]) {

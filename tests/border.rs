@@ -206,7 +206,7 @@ fn rims_are_looked_at() {
         Rim { of: Bound::Hole(0), within, points, uv }
     };
     let trim = |rims: &[Rim], tolerance| {
-        let options = trim::Options { tolerance, rim: 0.0, keeps_vertices: true };
+        let options = trim::Options { tolerance, rim: 0.0, least_rim: 0.0, keeps_vertices: true };
         trim::trim(&plate, rims, &options)
     };
     let (loops, _) = trim(&[around(30, None)], 0.1).expect("a loop");

@@ -217,8 +217,17 @@ fn bend(path: &Path, share: f64, around: usize) {
 fn bent(folder: &Path, share: f64, around: usize) -> (f64, Output) {
     let [scan, step] = ["a.obj", "a.step"].map(|name| folder.join(name));
     bend(&scan, share, around);
-    let run =
-        convert(&[arg(&scan), arg(&step), "--tolerance", "0.05", "--quiet", "--shape", "face"]);
+    let run = convert(&[
+        arg(&scan),
+        arg(&step),
+        "--tolerance",
+        "0.05",
+        "--quiet",
+        "--shape",
+        "face",
+        "--surfaces",
+        "spline",
+    ]);
     (number(&checked(&step, &scan), "/face_to_scan/max_mm"), run)
 }
 
@@ -230,8 +239,8 @@ fn a_pipe_is_followed_between_its_points() {
     assert!(off < 0.25, "{off}");
     // Without vertices where the net is finer than the triangles of the map, the distance would be
     // 0.28 mm.
-    let (off, _) = bent(folder.path(), 0.5, 40);
-    assert!(off < 0.2, "{off}");
+    let (off, run) = bent(folder.path(), 0.5, 40);
+    assert!(off < 0.2, "{off}: {}", String::from_utf8_lossy(&run.stderr));
 }
 
 #[test]

@@ -78,25 +78,7 @@ fn cube(size: f64) -> Polygons {
 
 /// A plate of 60 × 40 × 8 with a bore of radius 9 through its middle.
 fn plate() -> Polygons {
-    let corners = [[30.0, 20.0], [-30.0, 20.0], [-30.0, -20.0], [30.0, -20.0]];
-    let rim = arc([0.0, 0.0], 9.0, 0.0, TAU, 32);
-    let mut all = Vec::new();
-    let mut flat = |polygon: &[[f64; 2]]| {
-        all.push(polygon.iter().map(|p| [p[0], p[1], 8.0]).collect());
-        all.push(polygon.iter().rev().map(|p| [p[0], p[1], 0.0]).collect());
-    };
-    for k in 0..32 {
-        flat(&[corners[k / 8], rim[(k + 1) % 32], rim[k]]);
-        if k % 8 == 7 {
-            flat(&[corners[k / 8], corners[(k / 8 + 1) % 4], rim[(k + 1) % 32]]);
-        }
-    }
-    let mut wall = |p: [f64; 2], q: [f64; 2]| {
-        all.push(vec![[p[0], p[1], 0.0], [q[0], q[1], 0.0], [q[0], q[1], 8.0], [p[0], p[1], 8.0]]);
-    };
-    (0..4).for_each(|k| wall(corners[k], corners[(k + 1) % 4]));
-    (0..32).for_each(|k| wall(rim[(k + 1) % 32], rim[k]));
-    all
+    common::plate(&arc([0.0, 0.0], 9.0, 0.0, TAU, 32))
 }
 
 /// An angle of two legs of 40 × 5 and 30 × 5, 20 wide, with a fillet of radius 6.
@@ -149,7 +131,13 @@ fn solid(polygons: &Polygons) -> (Brep, Report) {
     let (soup, build) = mesh(polygons);
     let (errors, patches) = patches(&soup, &build);
     let mesh = build.mesh.clone().scaled(build.mm);
-    seams::solid(&mesh, &errors, patches, &seams::Options { name: "part".into() }).expect("a solid")
+    seams::solid(
+        &mesh,
+        &errors,
+        patches,
+        &seams::Options { name: "part".into(), ..Default::default() },
+    )
+    .expect("a solid")
 }
 
 /// Writes a solid and compares what OpenCASCADE reads without healing.
@@ -261,7 +249,7 @@ fn wrong_surfaces_become_facets() {
         if let Primitive::Cylinder { origin, .. } = &mut patch.surface {
             *origin += Vector::new(0.5, 0.0, 0.0);
         }
-        let options = seams::Options { name: name.into() };
+        let options = seams::Options { name: name.into(), ..Default::default() };
         let (brep, report) = seams::solid(&mesh, &errors, patches, &options).expect("a solid");
         assert!(!report.fallbacks.is_empty());
         assert!(report.fallbacks.iter().all(|of| of.kind == Cylinder && of.triangles > 0));

@@ -181,7 +181,8 @@ fn rim(network: &Network, normal: Vector, height: f64) -> NetworkRim {
 fn a_loop_across_faces_leaves_a_sound_shell() {
     let (_, mesh, _) = bodies(4).into_iter().next().expect("a cube");
     let network = patches_of(&mesh);
-    let options = trim::Options { tolerance: 1e-3, rim: 1e-3, keeps_vertices: false };
+    let options =
+        trim::Options { tolerance: 1e-3, rim: 1e-3, least_rim: 1e-3, keeps_vertices: false };
     let mut random = common::random::Random(5);
     let mut divided = 0;
     for number in 0..60 {

@@ -49,10 +49,7 @@ fn made(scan: &Path, step: &Path, options: &[&str]) -> (String, Value) {
     let files = [arg(scan), arg(step), "--report", arg(&report)];
     let said = converted(&[&files[..], options].concat());
     let report = json(&report);
-    let schema = json(&common::root().join("docs/report.schema.json"));
-    let schema = jsonschema::draft202012::new(&schema).expect("the schema is one");
-    let faults: Vec<String> = schema.iter_errors(&report).map(|e| e.to_string()).collect();
-    assert!(faults.is_empty(), "{faults:?} in {report:#}");
+    common::assert_schema(&report);
     (said, report)
 }
 

@@ -52,6 +52,49 @@ fn a_run_that_is_stopped_leaves_nothing_behind() {
 }
 
 #[test]
+fn the_conversions_of_a_killed_batch_end() {
+    let folder = folder();
+    large_scan(folder.path());
+    let out = folder.path().join("out");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_scan2step"));
+    run.args(["batch", arg(folder.path()), "--out", arg(&out), "--quiet"]);
+    let mut run =
+        run.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program runs");
+    let children = format!("/proc/{0}/task/{0}/children", run.id());
+    let begun = Instant::now();
+    let child = loop {
+        let every =
+            std::fs::read_dir(format!("/proc/{}/task", run.id())).into_iter().flatten().flatten();
+        let found =
+            every.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+        if let Some(child) = found
+            .flat_map(|ids| ids.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+            .next()
+        {
+            break child;
+        }
+        if !Path::new(&children).exists() {
+            eprintln!("NOT TESTED: this system does not list the children of a process");
+            run.kill().expect("it is killed");
+            run.wait().expect("it ends");
+            return;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(120), "no conversion after two minutes");
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    run.kill().expect("it is killed");
+    run.wait().expect("it ends");
+    let is_alive = || {
+        let state = std::fs::read_to_string(format!("/proc/{child}/stat")).unwrap_or_default();
+        !state.is_empty() && !state.contains(") Z")
+    };
+    while is_alive() {
+        assert!(begun.elapsed() < Duration::from_secs(120), "the conversion goes on");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
 fn what_was_there_before_a_run_was_stopped_stays() {
     let folder = folder();
     std::fs::create_dir_all(folder.path().join("new/stages/mine")).expect("a folder");

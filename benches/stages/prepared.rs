@@ -60,6 +60,7 @@ impl Prepared {
             trim: trim::Options {
                 tolerance: conversion.tolerance,
                 rim: conversion.one().rim_tolerance,
+                least_rim: conversion.one().rim_tolerance,
                 keeps_vertices: false,
             },
             measured: measured.ok_or("the scan was not meshed")?,

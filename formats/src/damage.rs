@@ -121,6 +121,8 @@ fn binary_part(format: Format, head: &[u8]) -> Option<&[u8]> {
         }
         Format::Stl => head.get(84..).filter(|_| head.contains(&0)),
         Format::Glb => after(b"BIN\0"),
+        // After the header of its first entry.
+        Format::ThreeMf => head.get(30..),
         Format::Obj | Format::Gltf | Format::Off => None,
     }
 }

@@ -1,7 +1,9 @@
 //! The error type of the readers and writers: a file, its fault, and the place in the file.
 
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use crate::words::printable;
 
 /// A result with an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
@@ -9,7 +11,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// An error of reading or writing a file. It says which file, what is wrong, at which place, and
 /// what the user can do about it.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {what}{}", file.display(), at(place))]
+#[error("{}: {}{}", shown(file), printable(what), at(place))]
 #[non_exhaustive]
 pub struct Error {
     /// The path of the file as the user gave it.
@@ -54,6 +56,11 @@ impl fmt::Display for Location {
             Location::Element(kind, n) => write!(f, "{kind} {n}"),
         }
     }
+}
+
+/// A path as messages show it.
+fn shown(file: &Path) -> String {
+    printable(&file.to_string_lossy()).into_owned()
 }
 
 fn at(place: &Option<Location>) -> String {

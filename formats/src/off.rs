@@ -4,6 +4,7 @@
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
+use crate::unit_comment::UnitComments;
 use crate::words::plural;
 use crate::{Location, Result, Soup};
 
@@ -35,6 +36,10 @@ pub(crate) fn read(source: Source) -> Result<Soup> {
     let mut lines = TextLines { source, line: Vec::new() };
     let [vertices, faces] = read_head(&mut lines)?;
     let mut soup = Soup::default();
+    let mut comments = UnitComments::default();
+    let of_head = lines.source.head.split(|b| matches!(b, b'\r' | b'\n'));
+    of_head.filter_map(|line| line.trim_ascii().strip_prefix(b"#")).for_each(|c| comments.read(c));
+    comments.give(&mut soup);
     for i in 0..vertices {
         if !lines.advance()? {
             return Err(lines.cut("vertices", i, vertices).at(Location::Vertex(i)));

@@ -6,8 +6,9 @@
 use std::io::Read;
 use std::path::Path;
 
+use crate::scene::{Scene, SceneMesh};
 use crate::source::Source;
-use crate::{Error, Result, Soup, damage, gltf, obj, off, ply, stl};
+use crate::{Error, Result, Soup, damage, gltf, obj, off, ply, stl, threemf};
 
 /// A mesh format that [`read_scan`] reads, plain or gzipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +26,8 @@ pub enum Format {
     Stl,
     /// Object File Format of Geomview, as text.
     Off,
+    /// 3D Manufacturing Format.
+    ThreeMf,
 }
 
 impl Format {
@@ -49,12 +52,34 @@ impl Format {
             "glb" => Some(Format::Glb),
             "stl" => Some(Format::Stl),
             "off" => Some(Format::Off),
+            "3mf" => Some(Format::ThreeMf),
             _ => None,
         }
     }
 }
 
-/// Reads the mesh in the file at `path`.
+/// Reads the scene in the file at `path`: meshes, their names and colours, and where they are placed. A file with one
+/// mesh is a scene with one node.
+///
+/// # Errors
+/// Those of [`read_scan`], but a scene may place its meshes as often as it likes.
+pub fn read_scene(path: &Path) -> Result<Scene> {
+    checked(Source::open(path)?)
+}
+
+/// Reads a scene from memory or any other stream, as [`read_scan_from`] does.
+///
+/// # Errors
+/// Those of [`read_scan_from`].
+pub fn read_scene_from(
+    name: &Path,
+    content: impl Read + 'static,
+    folder: Option<&Path>,
+) -> Result<Scene> {
+    checked(Source::new(name, content, None, folder)?)
+}
+
+/// Reads the mesh in the file at `path`: its scene as one mesh ([`Scene::into_soup`]).
 ///
 /// The result has all points in the order of the file, including unused ones, and the polygons of
 /// three or more corners without any change. For a glTF file this is the default scene with the
@@ -64,7 +89,7 @@ impl Format {
 /// The file cannot be read, is damaged, is inconsistent, requires an unsupported feature, or has no
 /// polygons. The memory depends on the actual content of the file, whatever counts it claims.
 pub fn read_scan(path: &Path) -> Result<Soup> {
-    read(Source::open(path)?)
+    checked(Source::open(path)?)?.into_soup()
 }
 
 /// Reads a mesh from memory or any other stream as [`read_scan`] does. Use a
@@ -93,38 +118,41 @@ pub fn read_scan_from(
     content: impl Read + 'static,
     folder: Option<&Path>,
 ) -> Result<Soup> {
-    read(Source::new(name, content, None, folder)?)
+    checked(Source::new(name, content, None, folder)?)?.into_soup()
 }
 
-fn read(source: Source) -> Result<Soup> {
+/// Reads a scene that has faces.
+fn checked(source: Source) -> Result<Scene> {
     let path = source.path.clone();
-    let soup = read_unchecked(source)?;
-    if !soup.polygons.is_empty() {
-        return Ok(soup);
+    let scene = read_unchecked(source)?;
+    if scene.has_polygons() {
+        return Ok(scene);
     }
-    if soup.points.is_empty() {
+    if scene.meshes().iter().all(|mesh| mesh.soup.points.is_empty()) {
         let help = "Check that the right object was exported from the scanner's program.";
         return Err(Error::new(path, "has neither points nor faces", help));
     }
     Err(Error::new(path, "has points but no faces", MESH_FIRST))
 }
 
-/// Reads a mesh that may have no faces.
-pub(crate) fn read_unchecked(source: Source) -> Result<Soup> {
-    let head = source.head.clone();
+/// Reads a scene that may have no faces.
+pub(crate) fn read_unchecked(source: Source) -> Result<Scene> {
+    let (head, path) = (source.head.clone(), source.path.clone());
     let format = recognise(&source)?;
-    let soup = match format {
-        Format::Ply => ply::read(source),
+    let alone = |soup: Soup| Scene::of_mesh(&path, SceneMesh::plain(soup));
+    let scene = match format {
+        Format::Ply => ply::read(source).map(alone),
         Format::Obj => obj::read(source),
         Format::Gltf | Format::Glb => gltf::read(source),
         Format::Stl => stl::read(source),
-        Format::Off => off::read(source),
+        Format::Off => off::read(source).map(alone),
+        Format::ThreeMf => threemf::read(source),
     };
-    soup.map_err(|e| damage::explain(e, format, &head))
+    scene.map_err(|e| damage::explain(e, format, &head))
 }
 
 pub(crate) const READABLE: &str =
-    "Convert it to PLY, OBJ, glTF (GLB), STL or OFF, for example with MeshLab.";
+    "Convert it to PLY, OBJ, glTF (GLB), 3MF, STL or OFF, for example with MeshLab.";
 const MESH_FIRST: &str = "Mesh the points first, for example in MeshLab (ball pivoting or screened \
                           Poisson), and save them with faces as PLY, OBJ, glTF (GLB) or STL.";
 const UTF_8: &str = "Save it as plain text (ASCII or UTF-8), or export it as binary PLY.";
@@ -159,6 +187,9 @@ pub(crate) fn by_content(source: &Source) -> Option<Format> {
     if head.starts_with(b"glTF") {
         return Some(Format::Glb);
     }
+    if threemf::is_zip(head) && !is_usd(head) {
+        return Some(Format::ThreeMf);
+    }
     let text = after_mark(head);
     if ply::is_ply(text) {
         return Some(Format::Ply);
@@ -171,6 +202,30 @@ pub(crate) fn by_content(source: &Source) -> Option<Format> {
     (begins == Some(&b'{') && !text.contains(&0)).then_some(Format::Gltf)
 }
 
+/// What to do about a Gaussian splat whose points cannot be read.
+pub(crate) const UNPACK_SPLAT: &str = "Open it in SuperSplat (superspl.at/editor) and export it as PLY without compression, or convert it with \
+     \u{201c}splat-transform FILE scan.ply\u{201d}: the centres of its splats are then read as a cloud.";
+const USD: &str =
+    "Open it in Blender (File > Import > Universal Scene Description) and export it as glTF (GLB).";
+
+/// The name of the first file in a ZIP archive that begins with `head`.
+fn first_in_zip(head: &[u8]) -> Option<&[u8]> {
+    let head = head.strip_prefix(b"PK\x03\x04")?;
+    let length = usize::from(*head.get(22)?) + 256 * usize::from(*head.get(23)?);
+    head.get(26..26 + length)
+}
+
+/// Whether `head` begins a scene of USD, alone or packed as USDZ.
+fn is_usd(head: &[u8]) -> bool {
+    let is_usd_name = |name: &[u8]| {
+        let name = name.to_ascii_lowercase();
+        [&b".usd"[..], b".usda", b".usdc"].iter().any(|extension| name.ends_with(extension))
+    };
+    head.starts_with(b"PXR-USDC")
+        || head.starts_with(b"#usda ")
+        || first_in_zip(head).is_some_and(is_usd_name)
+}
+
 /// `head` without the byte order mark that some editors insert before text.
 pub(crate) fn after_mark(head: &[u8]) -> &[u8] {
     head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head)
@@ -178,8 +233,13 @@ pub(crate) fn after_mark(head: &[u8]) -> &[u8] {
 
 /// The format of a file that is often mistaken for a mesh, and what to do about it.
 pub(crate) fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
-    let known: [(&[u8], &str); 7] = [
-        (b"PK\x03\x04", "a ZIP archive (perhaps 3MF)"),
+    if is_usd(head) {
+        return Some(("a scene of Universal Scene Description (USDZ or USD)", USD));
+    }
+    if head.starts_with(b"NGSP") {
+        return Some(("a compressed Gaussian splat (SPZ)", UNPACK_SPLAT));
+    }
+    let known: [(&[u8], &str); 6] = [
         (b"\x1f\x8b", "gzipped twice"),
         (b"BZh", "packed with bzip2"),
         (b"\xfd7zXZ", "packed with xz"),

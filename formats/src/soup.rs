@@ -8,9 +8,11 @@ pub struct Soup {
     pub points: Vec<[f64; 3]>,
     /// The polygons. Every index is a valid index into `points`.
     pub polygons: Polygons,
-    /// The unit that the format itself defines, for example metres for glTF. `None` if it defines
-    /// none.
+    /// The unit that the format itself defines, for example metres for glTF, or that a comment of the file
+    /// names. `None` if neither does.
     pub unit: Option<LengthUnit>,
+    /// The comment that names the unit, if only a comment does.
+    pub unit_comment: Option<String>,
     /// The mean colour of the points (sRGB). `None` if not every point has a colour.
     pub colour: Option<[u8; 3]>,
 }
@@ -27,6 +29,17 @@ impl Polygons {
     pub fn push(&mut self, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
         self.ends.push(self.corners.len() as u32);
+    }
+
+    /// Turns all polygons over. The first corner of each stays the first.
+    pub(crate) fn turn_over(&mut self) {
+        let mut start = 0;
+        for &end in &self.ends {
+            if let Some(rest) = self.corners.get_mut(start + 1..end as usize) {
+                rest.reverse();
+            }
+            start = end as usize;
+        }
     }
 
     /// The number of polygons.

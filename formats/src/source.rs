@@ -1,7 +1,7 @@
 //! A scan file that is open for reading. Gzip is decompressed, and the first bytes are available
 //! for the detection of the format.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{self, BufRead as _, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
@@ -56,9 +56,7 @@ impl Source {
         };
         let file = File::open(path).map_err(cannot)?;
         let meta = file.metadata().map_err(cannot)?;
-        if meta.is_dir() {
-            return Err(Error::new(path, "is a folder", "Name the scan file itself."));
-        }
+        check_kind(path, &meta, "Name the scan file itself.")?;
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
         Source::new(path, file, Some(meta.len()), folder.or(Some(Path::new("."))))
     }
@@ -159,6 +157,22 @@ impl Source {
     pub(crate) fn io_error(&self, e: &io::Error) -> Error {
         Error::new(&self.path, format!("cannot be read to its end: {e}"), EXPORT_AGAIN)
     }
+}
+
+/// Refuses a folder, and a device, which may have no end. A pipe has one.
+pub(crate) fn check_kind(path: &Path, meta: &Metadata, help: &str) -> Result<()> {
+    if meta.is_dir() {
+        return Err(Error::new(path, "is a folder", help));
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = meta.file_type();
+        if kind.is_char_device() || kind.is_block_device() || kind.is_socket() {
+            return Err(Error::new(path, "is a device and not a file", help));
+        }
+    }
+    Ok(())
 }
 
 fn take_head(from: &mut impl Read) -> io::Result<Vec<u8>> {

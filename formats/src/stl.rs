@@ -8,8 +8,10 @@ use std::str::SplitAsciiWhitespace;
 
 use crate::damage::{SEND_AS_BINARY, TextTrace};
 use crate::limits::check_room;
+use crate::scene::{GroupRuns, Scene, SceneMesh, SceneNote};
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
+use crate::unit_comment::UnitComments;
 use crate::words::{grouped, plural};
 use crate::{Error, Location, Result, Soup};
 
@@ -71,11 +73,16 @@ fn is_text(head: &[u8]) -> bool {
     is_ascii(head) || !head.iter().any(is_control)
 }
 
-pub(crate) fn read(source: Source) -> Result<Soup> {
+pub(crate) fn read(source: Source) -> Result<Scene> {
+    let path = source.path.clone();
     if is_binary(&source.head, source.len) || !is_text(&source.head) {
-        return read_binary(source);
+        let mesh = SceneMesh::plain(read_binary(source)?);
+        return Ok(Scene::of_mesh(path, mesh));
     }
-    Ascii::new(source).read()
+    let (mesh, note) = Ascii::new(source).read()?;
+    let mut scene = Scene::of_mesh(path, mesh);
+    scene.notes.extend(note);
+    Ok(scene)
 }
 
 fn read_binary(mut source: Source) -> Result<Soup> {
@@ -86,9 +93,13 @@ fn read_binary(mut source: Source) -> Result<Soup> {
             _ => source.io_error(&e),
         });
     }
-    let [.., a, b, c, d] = prefix;
+    let [text @ .., a, b, c, d] = prefix;
     let count = u32::from_le_bytes([a, b, c, d]);
     let mut soup = Soup::default();
+    let mut comments = UnitComments::default();
+    // Materialise writes names and values with binary values between them.
+    text.split(|byte| !(b' '..=b'~').contains(byte)).for_each(|piece| comments.read(piece));
+    comments.give(&mut soup);
     let mut trace = TextTrace::new();
     let mut record = [0; RECORD];
     for i in 0..count {
@@ -186,13 +197,20 @@ fn corner(record: &[u8; RECORD], at: usize) -> [f64; 3] {
     })
 }
 
-/// Skips a name. It may have any words, and it ends at the end of the line or at the first facet.
-fn skip_name(words: &mut SplitAsciiWhitespace) {
+/// Takes a name. It may have any words, and it ends at the end of the line or at the first facet.
+fn take_name(words: &mut SplitAsciiWhitespace) -> String {
     let is_facet = |words: &SplitAsciiWhitespace| {
         let mut ahead = words.clone();
         ["facet", "normal"].iter().all(|w| ahead.next().is_some_and(|a| a.eq_ignore_ascii_case(w)))
     };
-    while !is_facet(words) && words.next().is_some() {}
+    let mut name = String::new();
+    while !is_facet(words)
+        && let Some(word) = words.next()
+    {
+        name.push_str(if name.is_empty() { "" } else { " " });
+        name.push_str(word);
+    }
+    name
 }
 
 /// The reader of ASCII files. It processes words instead of lines: `vertex` and `endloop` define
@@ -200,6 +218,9 @@ fn skip_name(words: &mut SplitAsciiWhitespace) {
 struct Ascii {
     source: Source,
     soup: Soup,
+    comments: UnitComments,
+    /// The solids.
+    solids: GroupRuns,
     /// The first corner of the current facet.
     first: usize,
     in_facet: bool,
@@ -208,10 +229,19 @@ struct Ascii {
 
 impl Ascii {
     fn new(source: Source) -> Ascii {
-        Ascii { source, soup: Soup::default(), first: 0, in_facet: false, in_solid: false }
+        let comments = UnitComments::default();
+        Ascii {
+            source,
+            soup: Soup::default(),
+            comments,
+            solids: GroupRuns::default(),
+            first: 0,
+            in_facet: false,
+            in_solid: false,
+        }
     }
 
-    fn read(mut self) -> Result<Soup> {
+    fn read(mut self) -> Result<(SceneMesh, Option<SceneNote>)> {
         let mut line = Vec::new();
         while self.source.next_text_line(&mut line)? {
             self.read_line(&String::from_utf8_lossy(&line))?;
@@ -221,7 +251,11 @@ impl Ascii {
                 "Export it again; if all facets are there, append a line \u{201c}endsolid\u{201d}.";
             return Err(self.source.error("ends without endsolid", help));
         }
-        Ok(self.soup)
+        self.comments.give(&mut self.soup);
+        self.solids.extend_to(self.soup.polygons.len());
+        let mut mesh = SceneMesh::plain(self.soup);
+        let note = self.solids.give(&mut mesh);
+        Ok((mesh, note))
     }
 
     fn read_line(&mut self, line: &str) -> Result<()> {
@@ -230,7 +264,9 @@ impl Ascii {
             match word.to_ascii_lowercase().as_str() {
                 "solid" => {
                     self.set_solid(true, line)?;
-                    skip_name(&mut words);
+                    self.comments.read(line.as_bytes());
+                    self.solids.extend_to(self.soup.polygons.len());
+                    self.solids.begin(&take_name(&mut words));
                 }
                 // The rest of the line is a name of any words.
                 "endsolid" => return self.set_solid(false, line),

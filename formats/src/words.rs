@@ -1,4 +1,6 @@
-//! Counts in the messages of both crates.
+//! Counts and names in the messages of both crates.
+
+use std::borrow::Cow;
 
 /// Counts above this have their digits in groups of three. Shorter ones are read at a glance.
 const UNGROUPED: u64 = 9999;
@@ -31,9 +33,50 @@ pub fn plural(count: impl TryInto<u64>, name: &str) -> String {
     }
 }
 
+/// Text of one line as terminals and pages may show it. A name from a file may hold characters that control a terminal,
+/// end the line, or turn the direction of what follows. They are written as in JSON: `\u001b`.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    escaped(text, is_hidden)
+}
+
+/// The same for a text of several lines.
+pub fn printable_lines(text: &str) -> Cow<'_, str> {
+    escaped(text, |c| is_hidden(c) && c != '\n')
+}
+
+fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_escaped) {
+        return Cow::Borrowed(text);
+    }
+    let mut clean = String::with_capacity(text.len());
+    for c in text.chars() {
+        match is_escaped(c) {
+            true => clean += &format!("\\u{:04x}", u32::from(c)),
+            false => clean.push(c),
+        }
+    }
+    Cow::Owned(clean)
+}
+
+/// Whether a character controls what shows it and has no shape of its own.
+fn is_hidden(c: char) -> bool {
+    let is_direction = |c| matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    c.is_control() || is_direction(c) || matches!(c, '\u{2028}' | '\u{2029}')
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{grouped, plural};
+    use super::{grouped, plural, printable, printable_lines};
+
+    #[test]
+    fn what_controls_a_terminal_is_escaped() {
+        assert_eq!(printable("Größe é😀 \u{a0}"), "Größe é😀 \u{a0}");
+        assert_eq!(
+            printable("a\u{1b}[31m\u{7}\n\u{9b}b\u{202e}"),
+            "a\\u001b[31m\\u0007\\u000a\\u009bb\\u202e"
+        );
+        assert_eq!(printable_lines("a\n\r"), "a\n\\u000d");
+    }
 
     #[test]
     fn one_thing_is_no_plural() {

@@ -278,7 +278,7 @@ class Conversion:
 
     @property
     def origin(self) -> Tuple[float, float, float]:
-        """Where the result is measured from: zero unless the scan is a cloud far from zero."""
+        """Where the result is measured from: zero unless the scan is far from zero."""
         x, y, z = self._made.origin
         return x, y, z
 

@@ -26,8 +26,10 @@ def convert(
     component: Union[str, int] = "auto",
     surfaces: str = "auto",
     keep_polygons: bool = False,
+    edges: Union[str, float] = "auto",
     face_count: Optional[int] = None,
     handles: Optional[float] = None,
+    weld: Optional[float] = None,
     keep_fills: bool = False,
     fill_only_holes_below: Optional[float] = None,
     smooth: Union[str, float] = "auto",
@@ -74,8 +76,12 @@ def convert(
     :param surfaces: ``"auto"`` finds planes, cylinders, cones, spheres and tori on such a mesh; ``"spline"`` makes
         B-splines.
     :param keep_polygons: leave prisms of few sides flat where a cylinder has all their corners.
+    :param edges: where exact faces end. ``"auto"``: where another surface begins; an angle in degrees: also at every edge
+        of the mesh that turns by more; ``"off"``: nowhere, so that the faces are B-splines.
     :param face_count: about how many faces a solid or a shell gets.
     :param handles: cut handles whose loop is not longer, and close them. Without: a few edges.
+    :param weld: join points on the rims of a mesh that are no farther from each other; 0 joins none. Without: a
+        thousandth of the edges there.
     :param keep_fills: fill all holes, and cut none out.
     :param fill_only_holes_below: fill holes whose rim is shorter, and cut out the others.
     :param smooth: the support of the smoothing, ``"auto"`` or ``"off"``.
@@ -87,7 +93,7 @@ def convert(
     :param above: leave out what is not above a plane ``(a, b, c, d)``: a x + b y + c z > d.
     :param remove_plane: leave out the largest plane that has the rest of the scan on one side: the turntable.
     :param spacing: thin a cloud to this distance between neighbours.
-    :param origin: ``"local"``, or ``"keep"`` to put the result of a far cloud where the cloud is.
+    :param origin: ``"local"``, or ``"keep"`` to put the result of a far scan where the scan is.
     :param threads: how many threads share the work. The result does not depend on it.
     :param max_memory: the number of bytes that the conversion may need.
     :param progress: is called with the name of a stage and the share of it that is done, on the
@@ -131,6 +137,7 @@ def inspect(
     component: Union[str, int] = "largest",
     outer: Optional[Place] = None,
     handles: Optional[float] = None,
+    weld: Optional[float] = None,
     box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
     above: Optional[Sequence[float]] = None,
     remove_plane: bool = False,
@@ -162,6 +169,7 @@ def check(
     tolerance: Optional[float] = None,
     outliers: float = 0.0,
     outer: Optional[Place] = None,
+    weld: Optional[float] = None,
     box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
     above: Optional[Sequence[float]] = None,
     remove_plane: bool = False,
@@ -179,7 +187,7 @@ def check(
     :returns: what the program's ``check --json`` prints, as a dictionary.
     :raises FileError: a file cannot be read.
     """
-    keys = ("units", "component", "outer", "box", "above", "remove_plane", "spacing", "max_points", "scan_number", "origin", "threads")
+    keys = ("units", "component", "outer", "weld", "box", "above", "remove_plane", "spacing", "max_points", "scan_number", "origin", "threads")
     values = locals()
     options = {key: values[key] for key in keys}
     read = scan_of(scan, faces)._made

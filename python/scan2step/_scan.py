@@ -67,6 +67,7 @@ def read(
     *,
     classes: Sequence[int] = (),
     min_intensity: Optional[float] = None,
+    columns: Optional[Sequence[Union[int, str]]] = None,
 ) -> Scan:
     """Reads a scan from a file.
 
@@ -74,11 +75,14 @@ def read(
         TXT, ASC, CSV, PTS, PTX, PCD, E57, LAS, LAZ), each also gzipped.
     :param classes: take only the points of these classes of a LAS or LAZ file.
     :param min_intensity: take only points with at least this intensity (LAS, LAZ, E57).
+    :param columns: the columns of x, y and z in a text file, counted from 1 as ``(2, 3, 4)``, or their
+        names; those of the normal may follow. Without it they are found.
     :raises FileError: the file cannot be read. ``path`` and ``place`` say where.
     """
     if not all(0 <= number <= 255 for number in classes):
         raise ValueError("classes are whole numbers from 0 to 255")
-    return Scan(_scan2step.Scan.read(os.fsdecode(path), list(classes), min_intensity))
+    named = None if columns is None else ",".join(str(column) for column in columns)
+    return Scan(_scan2step.Scan.read(os.fsdecode(path), list(classes), min_intensity, named))
 
 
 def scan_of(scan: Any, faces: Any = None) -> Scan:

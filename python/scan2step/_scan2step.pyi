@@ -15,7 +15,10 @@ _Curve = Tuple[int, _Floats, _Floats]
 class Scan:
     @staticmethod
     def read(
-        path: Union[str, PathLike[str]], classes: List[int], min_intensity: Optional[float]
+        path: Union[str, PathLike[str]],
+        classes: List[int],
+        min_intensity: Optional[float],
+        columns: Optional[str],
     ) -> Scan: ...
     @staticmethod
     def mesh(vertices: _Floats, faces: npt.NDArray[np.uint32], file: str) -> Scan: ...

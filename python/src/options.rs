@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use scan2step::formats::LengthUnit;
 use scan2step::mesh::Choice;
 use scan2step::stages::{fit, parameterize, smooth};
-use scan2step::{Builder, Cut, Options, ScanPlace, SurfaceChoice, TargetShape};
+use scan2step::{Builder, Cut, EdgeChoice, Options, ScanPlace, SurfaceChoice, TargetShape};
 
 use crate::errors::Failure;
 
@@ -90,7 +90,17 @@ fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
             &[("auto", SurfaceChoice::Auto), ("spline", SurfaceChoice::Spline)],
         )?),
         "keep_polygons" => builder.keep_polygons(value.extract()?),
+        "edges" => builder.edges(match value.extract::<f64>() {
+            Ok(degrees) => EdgeChoice::Degrees(degrees),
+            Err(_) => word(
+                "edges",
+                &value.extract::<String>()?,
+                &[("auto", EdgeChoice::Auto), ("off", EdgeChoice::Off)],
+            )?,
+        }),
         "face_count" => builder.faces(value.extract::<Option<usize>>()?),
+        "remesh" => builder.remesh(value.extract()?),
+        "weld" => builder.weld(value.extract::<Option<f64>>()?),
         "handles" => builder.handles(value.extract::<Option<f64>>()?),
         "component" => match value.extract::<usize>() {
             Ok(number) => builder.component(Choice::Number(number)),

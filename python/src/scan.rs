@@ -27,8 +27,11 @@ impl Scan {
         path: PathBuf,
         classes: Vec<u8>,
         min_intensity: Option<f64>,
+        columns: Option<&str>,
     ) -> PyResult<Self> {
-        let options = ReadOptions { classes, min_intensity };
+        let columns =
+            columns.map(str::parse).transpose().map_err(PyValueError::new_err::<String>)?;
+        let options = ReadOptions { classes, min_intensity, columns };
         let content = run::run(py, None, None, |_| Ok(options.read_content(&path)?))?;
         Ok(Scan { content, file: path.display().to_string() })
     }

@@ -166,9 +166,9 @@ pub fn check(
             left_out: measured.left_out,
         };
         drop(components);
-        let measured = match &source.cloud {
-            Some(cloud) if options.keeps_origin() => measured.translated(cloud.origin_mm),
-            _ => measured,
+        let measured = match options.keeps_origin() {
+            true => measured.translated(source.origin_mm),
+            false => measured,
         };
         let found = scan2step::check::check(&model, &measured.mesh, measured.points.as_deref())?;
         let cad = (path.display().to_string(), &model);

@@ -1,7 +1,7 @@
 //! Samples that are spread evenly over a trimmed face.
 //!
 //! The input is a face and the wanted distance between samples. The output is points on the face
-//! with their parameters, and the area of the face.
+//! with their parameters.
 
 use super::surface::Domain;
 use crate::deviation::TrimmedFace;
@@ -13,8 +13,8 @@ use crate::spline::ParametricSurface;
 pub(super) struct FaceSamples {
     pub(super) points: Vec<Point>,
     pub(super) uv: Vec<Uv>,
-    /// The area of the face, in mm².
-    pub(super) area: f64,
+    /// The size of the cell around each sample, in the parameter plane.
+    pub(super) cells: Vec<[f64; 2]>,
 }
 
 /// The largest number of parts into which a cell between break lines is divided along each side.
@@ -52,15 +52,14 @@ impl FaceSamples {
 
     fn add(&mut self, face: &TrimmedFace<Domain>, cell: &SampleCell) {
         let SampleCell { from, size: [du, dv], parts: [m, n] } = *cell;
-        let piece = du * dv / (m * n) as f64;
         for k in 0..m * n {
             let share = |i: usize, of: usize| (i as f64 + 0.5) / of as f64;
             let at = Uv::new(from.x + du * share(k / n, m), from.y + dv * share(k % n, n));
-            let jet = face.surface().jet(at);
-            if face.contains(at) && jet.s.iter().all(|x| x.is_finite()) {
-                self.points.push(jet.s);
+            let point = face.surface().point(at);
+            if face.contains(at) && point.iter().all(|x| x.is_finite()) {
+                self.points.push(point);
                 self.uv.push(at);
-                self.area += piece * jet.su.cross(&jet.sv).norm();
+                self.cells.push([du / m as f64, dv / n as f64]);
             }
         }
     }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use formats::{Brep, iges, step};
+use formats::{Assembly, Brep, iges, step};
 
 use super::args::{CadFile, CadKind, Convert, Iges, StepSchema};
 use super::output::{self, Pending};
@@ -30,6 +30,14 @@ pub fn write(
         files.push(output::write(path, content)?);
     }
     Ok(files)
+}
+
+/// Writes an assembly into every STEP file that was asked for.
+pub(crate) fn write_assembly(args: &Convert, assembly: &Assembly) -> Result<Vec<Pending>, Failure> {
+    let options = step_options(args, &time_stamp()?);
+    let content = |out: &mut dyn Write| step::write_assembly(assembly, &options, out);
+    let write = |file: &CadFile| Ok(output::write(&file.path, content)?);
+    args.out.iter().map(write).collect()
 }
 
 /// The last second of the year 9999. A time stamp has four digits for the year.

@@ -36,9 +36,9 @@ pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
         left_out: measured.left_out,
     };
     drop(components);
-    let measured = match (args.piece.cloud.origin, &scan.source.cloud) {
-        (Origin::Keep, Some(cloud)) => measured.translated(cloud.origin_mm),
-        _ => measured,
+    let measured = match args.piece.cloud.origin {
+        Origin::Keep => measured.translated(scan.source.origin_mm),
+        Origin::Local => measured,
     };
     let found = check::check(&model, &measured.mesh, measured.points.as_deref());
     let found = found.map_err(|e| input::stopped(&args.cad.name, &e))?;

@@ -1,27 +1,40 @@
 //! `scan2step convert`: one scan to one or more files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use scan2step::mesh::{Components, Repairs};
 use scan2step::report::{OutputFile, Report, ReportView, ScanSource, StageFigures, ViewRecorder};
 use scan2step::words::plural;
-use scan2step::{Conversion, Memory, Options, Stage};
+use scan2step::{Conversion, Memory, Options, Stage, is_same_file};
 
 use super::args::{CadKind, Convert, Iges, ShapeChoice};
 use super::input::{self, ReadScan};
 use super::output::{self, Pending};
+use super::parts::{self, Chosen};
 use super::progress::{self, ProgressDisplay, StageTime};
 use super::report;
 use super::stages::Stages;
-use super::{Failure, Outcome, cad, messages, settings, streams};
+use super::{Failure, Outcome, assembly, cad, messages, settings, streams, temp_files};
 
 /// Reads a scan, converts it and writes all files.
 pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
+    if args.end_with_input {
+        temp_files::end_with_input().map_err(|e| Failure {
+            error: format!("scan2step: cannot watch its standard input: {e}"),
+            help: "check that the program can start threads".into(),
+        })?;
+    }
+    if !args.piece.scan.is_stdin {
+        output::protect(&args.piece.scan.name);
+    }
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
     let mut progress = ProgressDisplay::new(voice, args.manner.verbose, args.progress);
+    let scan = match parts::chosen(args, input::read_content(&args.piece)?, &progress)? {
+        Chosen::Assembly(scene) => return assembly::run(args, &scene, progress),
+        Chosen::One(content) => ReadScan::of(&args.piece, content)?,
+    };
     let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
-    let scan = ReadScan::read(&args.piece)?;
     progress.ended("read", &messages::came_in(&scan));
     scan.notes.iter().for_each(|note| progress.say(&format!("read: {note}")));
     let named = settings::options(args)?;
@@ -125,7 +138,7 @@ fn stage(time: &StageTime) -> StageFigures {
 }
 
 /// A CAD file for the report.
-fn output(path: &Path, file: &Pending) -> OutputFile {
+pub(super) fn output(path: &Path, file: &Pending) -> OutputFile {
     OutputFile { file: streams::shown(path), bytes: file.bytes, sha256: file.sha256.clone() }
 }
 
@@ -237,22 +250,18 @@ fn left_out(options: &Options, scan: &Components, progress: &ProgressDisplay) {
 }
 
 /// Refuses two outputs of the same name, an output that would replace the scan, and a folder
-/// that cannot be written to, before the long work begins.
+/// that cannot be written to, before the long work begins. The files of stages are checked when their folder is made.
 fn check_outputs(args: &Convert) -> Result<(), Failure> {
     let real = |path: &Path| match std::fs::canonicalize(path) {
         Ok(real) if !streams::is_stdout(path) => real,
         _ => path.to_owned(),
     };
-    let scan = (!args.piece.scan.is_stdin).then(|| real(&args.piece.scan.name));
-    let mut seen = Vec::new();
+    let mut seen: Vec<PathBuf> = Vec::new();
     let reports = args.report.iter().map(|f| &f.path);
     for path in args.out.iter().map(|f| &f.path).chain(reports) {
         let place = real(path);
-        if Some(&place) == scan.as_ref() {
-            let error = format!("{}: is the scan, which no output may replace", path.display());
-            return Err(Failure { error, help: "name a scan first, then other outputs".into() });
-        }
-        if seen.contains(&place) {
+        output::check_replaces_no_input(path)?;
+        if seen.iter().any(|other| *other == place || is_same_file(other, &place)) {
             let error = format!("{}: is named twice", streams::shown(path));
             return Err(Failure { error, help: "give every output a name of its own".into() });
         }

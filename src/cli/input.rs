@@ -3,7 +3,7 @@
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
-use formats::{Content, Soup};
+use formats::{Content, Points, SceneContent, Soup};
 use scan2step::mesh::{Components, Outer};
 use scan2step::report::ScanSource;
 use scan2step::{Options, Progress};
@@ -25,17 +25,32 @@ pub(crate) struct ReadScan {
 
 impl ReadScan {
     pub(crate) fn read(piece: &Piece) -> Result<ReadScan, Failure> {
-        let reading = piece.cloud.reading();
+        ReadScan::of(piece, read_content(piece)?)
+    }
+
+    /// A scan whose file was read. The meshes of a scene are one.
+    pub(crate) fn of(piece: &Piece, content: SceneContent) -> Result<ReadScan, Failure> {
         let name = &piece.scan.name;
-        let content = if piece.scan.is_stdin {
-            reading.read_content_from(name, stdin())?
-        } else {
-            reading.read_content(name).map_err(|error| no_scan(name, error))?
+        let of_scene = match &content {
+            SceneContent::Scene(scene) => scene.notes.iter().map(ToString::to_string).collect(),
+            SceneContent::Points(_) => Vec::new(),
+        };
+        let content = match content.into_content()? {
+            Content::Mesh(soup) if piece.cloud.remesh => Content::Points(Points::of_mesh(&soup)),
+            other => other,
         };
         let named = ReadScan::options(piece)?;
         let file = name.display().to_string();
         let (source, colour, notes) = match &content {
-            Content::Mesh(soup) => (ScanSource::of(file, soup, &named), soup.colour, Vec::new()),
+            Content::Mesh(soup) => {
+                let unused = piece.cloud.unused_in_mesh().map(str::to_owned);
+                let comment = soup.unit_comment.as_ref().filter(|_| piece.scale.units.is_none());
+                let of_comment = comment.map(|comment| {
+                    format!("the unit is that of the comment \u{201c}{comment}\u{201d}")
+                });
+                let notes = of_scene.into_iter().chain(of_comment).chain(unused).collect();
+                (ScanSource::of(file, soup, &named), soup.colour, notes)
+            }
             Content::Points(cloud) => {
                 (ScanSource::of_cloud(file, cloud, &named), None, cloud.remarks())
             }
@@ -93,6 +108,16 @@ impl ReadScan {
         };
         components.map_err(|e| stopped(&self.path, &e)).map(|components| (self, components))
     }
+}
+
+/// What the file of a scan holds.
+pub(crate) fn read_content(piece: &Piece) -> Result<SceneContent, Failure> {
+    let reading = piece.cloud.reading();
+    let name = &piece.scan.name;
+    if piece.scan.is_stdin {
+        return Ok(reading.read_scene_from(name, stdin())?);
+    }
+    reading.read_scene(name).map_err(|error| no_scan(name, error))
 }
 
 /// The error of a file that could not be read as a scan, with the command that takes it.

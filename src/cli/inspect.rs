@@ -9,11 +9,16 @@ use super::args::Inspect;
 use super::input::{self, ReadScan};
 use super::paragraphs::wrapped;
 use super::spelling::spelled;
-use super::{Failure, Outcome, cylinders, messages, streams};
+use super::{Failure, Outcome, cylinders, inspect_parts, messages, streams};
 
 /// Reads and repairs a scan, and prints what it is.
 pub(crate) fn run(args: &Inspect) -> Result<Outcome, Failure> {
-    let scan = ReadScan::read(&args.piece)?;
+    let content = input::read_content(&args.piece)?;
+    if let Some(text) = inspect_parts::inspected(args, &content)? {
+        streams::print(text.as_bytes())?;
+        return Ok(Outcome::Done);
+    }
+    let scan = ReadScan::of(&args.piece, content)?;
     let outer = scan.outer(&args.piece)?;
     let options = ReadScan::options(&args.piece)?;
     let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
@@ -29,7 +34,7 @@ pub(crate) fn run(args: &Inspect) -> Result<Outcome, Failure> {
 }
 
 /// The column at which texts begin.
-const INDENT: usize = 14;
+pub(super) const INDENT: usize = 14;
 
 fn as_text(scan: &ReadScan, found: &Inspection) -> String {
     let input = &found.input;
@@ -40,7 +45,12 @@ fn as_text(scan: &ReadScan, found: &Inspection) -> String {
         format!("  file        {}", messages::counts(source)),
         format!("  units       {}{assumed}", source.unit.symbol()),
     ];
-    lines.extend(source.cloud.iter().flat_map(cloud));
+    lines.extend(source.cloud.iter().flat_map(scans));
+    if source.origin_mm != [0.0; 3] {
+        let [x, y, z] = source.origin_mm;
+        lines.push(format!("  origin      ({x:.3}, {y:.3}, {z:.3}) mm"));
+    }
+    lines.extend(source.cloud.iter().flat_map(meshed));
     lines.extend(
         likely_unit(source, found.input.bounds).map(|hint| format!("  hint        {hint}")),
     );
@@ -99,8 +109,8 @@ fn choices(found: &Inspection) -> Vec<String> {
     lines
 }
 
-/// A line for each scan of a cloud, and what was found when its mesh was made.
-fn cloud(cloud: &CloudFigures) -> Vec<String> {
+/// A line for each scan of a cloud.
+fn scans(cloud: &CloudFigures) -> Vec<String> {
     let place = |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
     let scan = |(number, scan): (usize, &ScanFigures)| {
         let grid = scan.grid.map(|[rows, columns]| format!("grid of {rows} × {columns}"));
@@ -109,11 +119,12 @@ fn cloud(cloud: &CloudFigures) -> Vec<String> {
         let parts = [Some(plural(scan.points, "point")), extent, grid, seen];
         format!("  scan {number:<7}{}", parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
     };
-    let mut lines: Vec<String> = cloud.scans.iter().enumerate().map(scan).collect();
-    if cloud.origin_mm != [0.0; 3] {
-        lines.push(format!("  origin      {} mm", place(cloud.origin_mm)));
-    }
-    lines.extend(cloud.mesh.iter().map(|mesh| {
+    cloud.scans.iter().enumerate().map(scan).collect()
+}
+
+/// What was found when the mesh of a cloud was made.
+fn meshed(cloud: &CloudFigures) -> Option<String> {
+    cloud.mesh.as_ref().map(|mesh| {
         let [outliers, duplicates] =
             [plural(mesh.outliers, "outlier"), plural(mesh.duplicates, "duplicate")];
         let made =
@@ -122,8 +133,7 @@ fn cloud(cloud: &CloudFigures) -> Vec<String> {
         format!(
             "  points      {spacing} apart, noise {noise}, {outliers}, {duplicates}, meshed {made}"
         )
-    }));
-    lines
+    })
 }
 
 /// A line for one of several components, by whose number `--component` takes it.
@@ -152,7 +162,7 @@ fn kind(found: &Inspection) -> String {
 }
 
 /// What a conversion makes of it.
-fn target(found: &Inspection) -> String {
+pub(super) fn target(found: &Inspection) -> String {
     if let Some(exact) = &found.exact {
         return exact_target(exact);
     }
@@ -180,8 +190,9 @@ fn exact_target(exact: &ExactEstimate) -> String {
     let counts = PrimitiveKind::ALL.iter().map(|kind| (kind.name(), count(kind)));
     let all = plural(exact.kinds.len() + exact.facets, "face");
     let kinds = messages::kinds(counts.chain([("facet", exact.facets)]));
+    let shape = exact.shape.map_or("body", TargetShape::word);
     format!(
-        "a solid of {all}: {kinds}, as its vertices lie on them within the rounding of the file"
+        "a {shape} of {all}: {kinds}, as its vertices lie on them within the rounding of the file"
     )
 }
 

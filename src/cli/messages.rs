@@ -8,7 +8,7 @@ use scan2step::{Body, BodyFit, ExactFit, InputReport, Stage, SurfaceFit, TargetS
 use super::args::{ComponentChoice, Convert};
 use super::input::ReadScan;
 use super::progress::ProgressDisplay;
-use super::{Outcome, cylinders, streams};
+use super::{Outcome, cylinders, gaps, streams};
 
 /// Which shape is tried, and why.
 pub fn shape(shape: TargetShape, why: &str) -> String {
@@ -88,15 +88,22 @@ pub(crate) fn meshed(components: &Components) -> String {
     format!("{}, {}", plural(triangles, "triangle"), plural(components.sizeable(), "component"))
 }
 
-/// Says what was found in a cloud of points.
+/// Says where a scan far from zero is measured from, and what was found in a cloud of points.
 pub fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
-    let Some(cloud) = &scan.source.cloud else { return };
-    if cloud.origin_mm != [0.0; 3] {
-        let [x, y, z] = cloud.origin_mm;
+    if scan.source.origin_mm != [0.0; 3] {
+        let [x, y, z] = scan.source.origin_mm;
         progress.say(&format!("origin: coordinates are measured from ({x}, {y}, {z}) mm"));
     }
+    let Some(cloud) = &scan.source.cloud else { return };
     let Some(mesh) = &cloud.mesh else { return };
     progress.say(&format!("points: {} apart, noise {}", mm(mesh.spacing_mm), mm(mesh.noise_mm)));
+    if let Some(distance) = mesh.layers_mm {
+        progress.say(&format!(
+            "layers: the points are in two layers {} apart, as the sides of a plate or scans that are not registered; \
+             they are not joined",
+            mm(distance)
+        ));
+    }
     if mesh.outliers > 0 {
         progress.say(&format!("points: {} left out", plural(mesh.outliers, "outlier")));
     }
@@ -152,6 +159,12 @@ pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
         progress
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
     }
+    if let Some(step) = c.smooth.height_step {
+        progress.say(&format!(
+            "steps: all heights along one axis are multiples of {}, which is taken for noise",
+            mm(step)
+        ));
+    }
     if let Some(exact) = c.exact() {
         exact_faces(progress, &of_piece(args, &c.input), exact);
     } else if !c.tolerance_named {
@@ -169,6 +182,7 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
     progress.say(&format!(
         "{of}surfaces: exact, as the vertices lie on them within the rounding of the file (--surfaces spline to change)"
     ));
+    gaps::say(progress, of, exact);
     cylinders::say(progress, of, exact);
     for fallback in &exact.fallbacks {
         let (kind, p) = (fallback.kind.name(), fallback.place);
@@ -219,28 +233,29 @@ pub(crate) fn result(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
     let files: Vec<_> = files.map(|path| streams::shown(path)).collect();
     let of = of_piece(args, &c.input);
+    progress.result(&format!("{of}{} → {}", summary(c), files.join(", ")));
+    if c.face().is_some() && !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
+        progress.say(&(of + &quality(c)));
+    }
+}
+
+/// What a body is and how near to the scan, in one line.
+pub(crate) fn summary(c: &Body) -> String {
     let (made, holes) = match &c.fit {
         BodyFit::Face(face) => made_face(c, face),
         BodyFit::Network(_) => made_body(c),
         BodyFit::Exact(_) => {
-            let within = mm(c.fit_deviation.max);
-            let made = format!(
-                "{}: {}; exact within {within}",
+            return format!(
+                "{}{}: {}; exact within {}",
                 made_body(c).0,
-                kinds(SurfaceCounts::of(&c.brep).named())
+                gaps::edges_and_gaps(c),
+                kinds(SurfaceCounts::of(&c.brep).named()),
+                mm(c.fit_deviation.max)
             );
-            return progress.result(&format!("{of}{made} → {}", files.join(", ")));
         }
     };
-    progress.result(&format!(
-        "{of}{made}, rms {}, max {}{holes} → {}",
-        mm(c.fit_deviation.rms),
-        mm(c.fit_deviation.max),
-        files.join(", ")
-    ));
-    if c.face().is_some() && !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
-        progress.say(&(of + &quality(c)));
-    }
+    let [rms, max] = [c.fit_deviation.rms, c.fit_deviation.max].map(mm);
+    format!("{made}, rms {rms}, max {max}{holes}")
 }
 
 /// What a face is, and what became of the holes.
@@ -273,10 +288,14 @@ pub(crate) fn kinds<'a>(counts: impl IntoIterator<Item = (&'a str, usize)>) -> S
 
 /// What a body of several faces is, and what became of its gaps.
 fn made_body(body: &Body) -> (String, String) {
-    let gaps = match (body.fill.holes.len(), body.volume()) {
-        (0, _) => String::new(),
-        (count, Some(_)) => format!(", {} filled", plural(count, "gap")),
-        (count, None) => format!(", {} open", plural(count, "boundary loop")),
+    let open = body.trimmed.iter().filter(|is_cut| **is_cut).count();
+    let gaps = match (body.fill.holes.len() - open, body.volume()) {
+        (0, Some(_)) => String::new(),
+        (filled, Some(_)) => format!(", {} filled", plural(filled, "gap")),
+        (0, None) => format!(", {} open", plural(open, "boundary loop")),
+        (filled, None) => {
+            format!(", {} open, {} kept filled", plural(open, "boundary loop"), grouped(filled))
+        }
     };
     let volume =
         body.volume().map_or(String::new(), |volume| format!(", {} mm³", plain_mm(volume)));

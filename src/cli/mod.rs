@@ -1,18 +1,22 @@
 //! The commands of scan2step: arguments, progress, messages, files and exit codes.
 
 mod args;
+mod assembly;
 mod batch;
 mod cad;
 mod check;
 mod convert;
 mod cylinders;
+mod gaps;
 mod input;
 mod inspect;
+mod inspect_parts;
 mod manual;
 mod messages;
 mod notes;
 mod output;
 mod paragraphs;
+mod parts;
 mod places;
 mod progress;
 mod report;
@@ -28,6 +32,7 @@ use std::process::ExitCode;
 
 use clap::error::ContextKind;
 use clap::{CommandFactory, FromArgMatches};
+use scan2step::words::printable;
 
 /// The result of a run that did not fail as a whole.
 enum Outcome {
@@ -130,9 +135,10 @@ const USAGE: u8 = 2;
 fn tell(failure: &Failure, colour: args::Colour, code: u8) -> ExitCode {
     let (red, blue, plain) =
         if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
-    let [error, help] = [&failure.error, &failure.help].map(|text| spelling::spelled(text));
-    streams::say(format_args!("{red}error{plain}: {error}"));
-    streams::say(format_args!("{blue}help{plain}: {help}"));
+    let spelled = [&failure.error, &failure.help].map(|text| spelling::spelled(text));
+    let [error, help] = [0, 1].map(|k| printable(&spelled[k]));
+    streams::say_as_is(format_args!("{red}error{plain}: {error}"));
+    streams::say_as_is(format_args!("{blue}help{plain}: {help}"));
     ExitCode::from(code)
 }
 

@@ -4,8 +4,10 @@
 
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use formats::Error;
+use scan2step::is_same_file;
 use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
@@ -48,6 +50,26 @@ impl<W: Write> Write for Tally<W> {
     }
 }
 
+/// The files that the run reads.
+static INPUTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// From now on no output may replace this file, nor a link to it.
+pub(crate) fn protect(input: &Path) {
+    INPUTS.lock().unwrap_or_else(PoisonError::into_inner).push(input.to_owned());
+}
+
+/// Refuses an output that is a file which the run reads, under whatever name.
+pub(crate) fn check_replaces_no_input(path: &Path) -> Result<(), Error> {
+    let inputs = INPUTS.lock().unwrap_or_else(PoisonError::into_inner);
+    match !streams::is_stdout(path) && inputs.iter().any(|input| is_same_file(input, path)) {
+        true => {
+            let help = "name a scan first, then other outputs";
+            Err(Error::new(path, "is the scan, which no output may replace", help))
+        }
+        false => Ok(()),
+    }
+}
+
 /// Checks whether a file can be made at `path`, by making a temporary file beside it.
 pub(crate) fn check(path: &Path) -> Result<(), Error> {
     if streams::is_stdout(path) {
@@ -69,6 +91,7 @@ pub fn write(
         let (bytes, sha256) = tally(&mut memory, content).map_err(failed)?;
         return Ok(Pending { place: Place::Stdout(memory), bytes, sha256 });
     }
+    check_replaces_no_input(path)?;
     let target = target(path)?;
     let file = temporary(&target).map_err(failed)?;
     let (bytes, sha256) = tally(BufWriter::new(file.as_file()), content).map_err(failed)?;

@@ -1,11 +1,15 @@
 //! Text in lines that fit on a terminal.
 
+use scan2step::words::printable;
+
 /// The width of a usual terminal, less one column.
 const WIDTH: usize = 79;
 
 /// A line divided at blanks so that it fits on a usual terminal. All lines but the first are indented.
 /// A word that is too long, as a path may be, keeps its line.
+/// What would control a terminal is escaped.
 pub(crate) fn wrapped(line: &str, indent: usize) -> String {
+    let line = &*printable(line);
     let mut text = String::new();
     let mut column = 0;
     for (number, word) in line.split(' ').enumerate() {

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use scan2step::words::printable;
 use serde::Serialize;
 
 use super::args::Steps;
@@ -103,19 +104,24 @@ impl ProgressDisplay {
 
     /// Says a line, unless the run is quiet.
     pub(crate) fn say(&self, line: &str) {
+        self.say_as_is(&printable(line));
+    }
+
+    /// Says a line whose colours are made here.
+    fn say_as_is(&self, line: &str) {
         if self.voice.is_some() {
-            self.bar.suspend(|| streams::say(line));
+            self.bar.suspend(|| streams::say_as_is(line));
         }
     }
 
     /// Says what could be better.
     pub(crate) fn hint(&self, line: &str) {
-        self.say(&format!("{}: {line}", self.paint("hint", "1;33")));
+        self.say_as_is(&format!("{}: {}", self.paint("hint", "1;33"), printable(line)));
     }
 
     /// Says how it went.
     pub(crate) fn result(&self, line: &str) {
-        self.say(&self.paint(line, "1"));
+        self.say_as_is(&self.paint(&printable(line), "1"));
     }
 
     fn paint(&self, text: &str, code: &str) -> String {
@@ -131,7 +137,7 @@ impl ProgressDisplay {
         match self.steps {
             Steps::Bar => {
                 let line = format!("{name:13}{seconds:7.2} s{memory}  {made}");
-                self.say(&self.paint(line.trim_end(), "2"));
+                self.say_as_is(&self.paint(&printable(line.trim_end()), "2"));
             }
             Steps::Json => self.step(name, 1.0),
         }

@@ -1,7 +1,8 @@
 //! What the user chose: as the library takes it, and as reports say it.
 
+use formats::Scene;
 use scan2step::mesh::Choice;
-use scan2step::report::Settings;
+use scan2step::report::{ScanSource, Settings};
 use scan2step::stages::{fit, parameterize, smooth};
 use scan2step::{Cut, Options, SurfaceChoice, TargetShape};
 
@@ -53,6 +54,7 @@ pub(crate) fn options(args: &Convert) -> Result<Options, Failure> {
             SurfacesChoice::Spline => SurfaceChoice::Spline,
         })
         .keep_polygons(how.keep_polygons)
+        .edges(how.edges)
         .faces(how.faces)
         .fit(match how.fit {
             Fit::Blend => fit::Method::Blend,
@@ -80,6 +82,17 @@ pub(crate) fn settings(args: &Convert, options: &Options, scan: &ReadScan) -> Se
     let mut settings = Settings::of(options, &scan.source)
         .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
     // As the user wrote it: a share times 100 may differ in its last digit.
+    settings.outliers = args.how.outliers;
+    settings
+}
+
+/// The same for the report of an assembly.
+pub(crate) fn of_files(args: &Convert, options: &Options, scene: &Scene) -> Settings {
+    // Settings take the unit of the scan from any of its meshes.
+    let soup = scene.meshes().first().map(|mesh| mesh.soup.clone()).unwrap_or_default();
+    let source = ScanSource::of(args.piece.scan.name.display().to_string(), &soup, options);
+    let mut settings = Settings::of(options, &source)
+        .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
     settings.outliers = args.how.outliers;
     settings
 }

@@ -13,6 +13,17 @@ use serde_json::json;
 use super::output::{self, Pending};
 use super::temp_files;
 
+/// The names of the files.
+const NAMES: [&str; 7] = [
+    "0-points.ply",
+    "1-mesh.ply",
+    "2-smooth.ply",
+    "3-filled.ply",
+    "4-parameterized.ply",
+    "4-layout.ply",
+    "5-surface.json",
+];
+
 /// Writes the stages' files under temporary names, until the run puts all its files in place.
 pub(crate) struct Stages {
     folder: PathBuf,
@@ -26,6 +37,7 @@ impl Stages {
             let help = "name a folder that can be made and written to";
             formats::Error::new(folder, format!("cannot be made: {e}"), help)
         })?;
+        NAMES.iter().try_for_each(|name| output::check_replaces_no_input(&folder.join(name)))?;
         Ok(Stages { folder: folder.to_owned(), pending: Vec::new() })
     }
 

@@ -6,6 +6,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use formats::Error;
+use scan2step::words::printable;
 
 /// What names standard input or standard output on the command line.
 pub(crate) const DASH: &str = "-";
@@ -24,8 +25,14 @@ pub(crate) fn shown(path: &Path) -> String {
     if is_stdout(path) { STDOUT.into() } else { path.display().to_string() }
 }
 
-/// Prints a line on standard error. If that fails, there is no other place to report it.
+/// Prints a line on standard error. What would control the terminal is escaped.
 pub(crate) fn say(line: impl Display) {
+    say_as_is(printable(&line.to_string()));
+}
+
+/// Prints a line that has colours, and whose parts are printable, on standard error. If that fails, there is no
+/// other place to report it.
+pub(crate) fn say_as_is(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 

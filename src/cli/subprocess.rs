@@ -13,17 +13,21 @@ fn change(what: impl FnOnce(&mut Vec<u32>)) {
     what(&mut RUNNING.lock().unwrap_or_else(PoisonError::into_inner));
 }
 
-/// Runs a command to its end and returns what it wrote to standard error.
+/// Runs a command to its end and returns what it wrote to standard error. Its standard input ends with this process, even
+/// if nothing else can tell the command that this process was killed.
 pub(crate) fn run(command: &mut Command) -> io::Result<Output> {
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
     // No process starts once the run is being stopped.
-    let child = temp_files::uninterrupted(|| {
+    let mut child = temp_files::uninterrupted(|| {
         let child = command.spawn()?;
         change(|running| running.push(child.id()));
         io::Result::Ok(child)
     })?;
     let id = child.id();
+    // It would be closed before the wait.
+    let input = child.stdin.take();
     let output = child.wait_with_output();
+    drop(input);
     change(|running| running.retain(|&other| other != id));
     output
 }

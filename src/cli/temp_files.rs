@@ -77,10 +77,22 @@ pub(crate) fn sweep_when_stopped() -> io::Result<()> {
             let mut made = lock();
             subprocess::stop();
             made.sweep();
-            streams::say("\nstopped; no unfinished file is left");
+            streams::say_as_is("\nstopped; no unfinished file is left");
             let _ = emulate_default_handler(signal);
             std::process::exit(128 + signal);
         }
+    })?;
+    Ok(())
+}
+
+/// From now on the run ends, and removes its temporary files, when its standard input ends. So a conversion ends with
+/// the batch that started it and holds the other end, however that ends.
+pub(crate) fn end_with_input() -> io::Result<()> {
+    std::thread::Builder::new().name("parent".into()).spawn(|| {
+        let _ = io::copy(&mut io::stdin(), &mut io::sink());
+        let mut made = lock();
+        made.sweep();
+        std::process::exit(1);
     })?;
     Ok(())
 }

@@ -4,7 +4,8 @@
 
 use super::conversion::{Body, BodyFit, Missed, NetworkFit, Seams};
 use super::face_options::FaceOptions;
-use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
+use super::faces::{Faces, SEAM_PLACES, faces};
+use super::gaps::Gaps;
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape, goal, input};
 use crate::deviation;
@@ -51,9 +52,9 @@ pub(super) fn body(
         both_ways: goal.named,
         outliers: goal.outliers,
     };
-    let gaps = Gaps::of(&patch, shape, tolerance, options);
+    let mut gaps = Gaps::of(&patch, shape, tolerance, options);
     let Faces { network: own, cut, to_scan, layout, net, irregular, .. } =
-        faces(&patch.even(), &gaps, &face_options, watch)?;
+        faces(&patch.even(), &mut gaps, &face_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
     let brep = match shape {
@@ -75,7 +76,7 @@ pub(super) fn body(
     Ok(Body {
         input,
         smooth: smooth.scaled(mm),
-        trimmed: vec![shape == TargetShape::Shell; fill.holes.len()],
+        trimmed: (0..fill.holes.len()).map(|hole| gaps.is_cut(hole)).collect(),
         fill: fill.scaled(mm),
         tolerance: mm * tolerance,
         tolerance_named: goal.named,
@@ -97,6 +98,7 @@ pub(super) fn body(
             layout: layout.scaled(mm),
             net: net.scaled(mm),
             irregular,
+            left_filled: gaps.left_filled.into_iter().map(|left| left.scaled(mm)).collect(),
             network,
             cut,
         })),

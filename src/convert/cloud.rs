@@ -1,6 +1,8 @@
 //! The way from a cloud of points to the components of a mesh, which go on as those of a meshed
 //! scan do: cloud → mesh.
 
+use std::borrow::Cow;
+
 use formats::soup::Polygons;
 use formats::{Points, Soup};
 
@@ -26,24 +28,30 @@ pub fn cloud_components(
     threads::run(options.threads, || components_of(cloud, options, progress))?
 }
 
-/// Makes the components of a mesh, without what the options leave out of it.
+/// Makes the components of a mesh, without what the options leave out of it. A mesh with coordinates beyond a
+/// kilometre is measured from a round origin ([`Soup::round_origin`]).
 ///
 /// # Errors
 /// Those of [`crop::kept`](crate::stages::crop::kept) and of [`mesh::from_soup`].
 pub fn mesh_components(soup: &Soup, options: &Options) -> Result<Components> {
     let crop = &options.cloud.crop;
     let unit = options.unit_of(soup.unit);
-    let build = if crop.keeps_all() {
-        mesh::from_soup(soup, unit)?
-    } else {
+    let origin = soup.round_origin(unit);
+    let mut soup = Cow::Borrowed(soup);
+    if !crop.keeps_all() {
         let kept = crop::kept(&soup.points, [0.0; 3], crop)?;
         let mut polygons = Polygons::default();
         let is_kept = |corners: &&[u32]| corners.iter().all(|&v| kept[v as usize]);
         let left = soup.polygons.iter().filter(is_kept);
         left.for_each(|corners| polygons.push(corners.iter().copied()));
-        mesh::from_soup(&Soup { polygons, ..soup.clone() }, unit)?
-    };
-    Ok(Components::new(build).with_handles(options.handles))
+        soup = Cow::Owned(Soup { polygons, ..soup.into_owned() });
+    }
+    if origin != [0.0; 3] {
+        soup = Cow::Owned(Soup { points: soup.relative_to(origin), ..soup.into_owned() });
+    }
+    let build = mesh::from_soup_joined(&soup, unit, options.weld)?;
+    let components = Components::new(build).measured_from(origin.map(|x| unit * x));
+    Ok(components.with_handles(options.handles))
 }
 
 /// The same on the thread that calls.

@@ -6,7 +6,7 @@ use super::conversion::{Body, Part, placed};
 use super::exact::{self, Exact};
 use super::lengths::Shown;
 use super::shape::{TargetShape, shape};
-use super::{Conversion, Observer, Options, Stage, body, face, hints};
+use super::{Conversion, Observer, Options, Stage, body, exact_choice, face, hints};
 use crate::error::{Error, Result};
 use crate::mesh::{Choice, Components, Nested};
 use crate::stages::parameterize::CompressedRegion;
@@ -22,12 +22,15 @@ pub(super) fn converted(
 ) -> Result<Conversion> {
     let mut fallback = None;
     if exact::are_wanted(scan, options) {
-        let closed = with_voids(scan, exact::closed(scan, options))?;
-        match exact::exact(scan, &closed, options, watch)? {
-            Exact::Bodies(bodies) => return one(bodies, options, None),
+        let chosen = with_voids(scan, exact_choice::chosen(scan, options)?)?;
+        match exact::exact(scan, &chosen, options, watch)? {
+            Exact::Bodies(bodies) => {
+                let bodies = bodies.into_iter().map(|body| placed_body(body, scan, options));
+                return one(bodies.collect(), options, None);
+            }
             Exact::Failed(why) => {
                 fallback =
-                    Some(format!("the exact faces that were found make no sound solid: {why}"))
+                    Some(format!("the exact faces that were found make no valid body: {why}"))
             }
             Exact::Unsuited => {}
         }
@@ -69,7 +72,7 @@ fn with_splines(scan: &Components, options: &Options, watch: &mut Observer) -> R
     let why = format!("as {fallback}");
     match bodies(scan, &faces(TargetShape::Shell), options, Some(&why), watch) {
         Ok(made) => one(made, options, Some(fallback)),
-        Err(Error::Stopped) => Err(Error::Stopped),
+        Err(error) if is_final(&error) => Err(error),
         Err(error) => {
             let fallback = format!("no sound shell was found: {error}");
             let why = format!("as {fallback}");
@@ -83,6 +86,14 @@ fn with_splines(scan: &Components, options: &Options, watch: &mut Observer) -> R
 fn one(bodies: Vec<Body>, options: &Options, fallback: Option<String>) -> Result<Conversion> {
     let parts = vec![Part::of(&options.name, bodies)?];
     Ok(Conversion { parts, fallback, colour: None })
+}
+
+/// Whether after a shell that failed so a face is not worth trying: the work was stopped, or is too much.
+fn is_final(error: &Error) -> bool {
+    match error {
+        Error::Piece { error, .. } => is_final(error),
+        error => matches!(error, Error::Stopped | Error::ManyFaces(_)),
+    }
 }
 
 /// Why one face does not hold a sheet. Other errors are returned.
@@ -192,7 +203,12 @@ fn one_body(
         _ => body::body(scan, shape, &own, &mut |stage| shown.see(stage)),
     };
     let body = made.map_err(|error| shown.in_mm(error).with_named(options))?.with_named(options);
-    let origin = scan.raw_points().map_or([0.0; 3], |raw| raw.origin().map(|x| mm * x));
     let hints = hints::of(&body, options);
-    Ok(Body { brep: placed(body.brep, origin, options.keeps_origin), origin, hints, ..body })
+    Ok(Body { hints, ..placed_body(body, scan, options) })
+}
+
+/// The body with the place from which the scan is measured.
+fn placed_body(body: Body, scan: &Components, options: &Options) -> Body {
+    let origin = scan.origin();
+    Body { brep: placed(body.brep, origin, options.keeps_origin), origin, ..body }
 }

@@ -13,7 +13,7 @@ use crate::primitives::Primitive;
 use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::adapt::Adapted;
 use crate::stages::regions::Snap;
-use crate::stages::seams::Fallback;
+use crate::stages::seams::{ClosedGap, Fallback};
 use crate::stages::{fill, layout, net, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
 
@@ -103,7 +103,7 @@ pub enum BodyFit {
 pub struct ExactFit {
     /// Each face, in the order of the B-rep.
     pub faces: Vec<ExactFace>,
-    /// The mesh in mm.
+    /// The mesh in mm. Triangles that close its gaps are behind its own.
     pub mesh: Mesh,
     /// The length in mm of the unit of `snaps`.
     pub(crate) mm: f64,
@@ -113,6 +113,8 @@ pub struct ExactFit {
     pub facets: usize,
     /// The faces that were found, but became facets.
     pub fallbacks: Vec<Fallback>,
+    /// The gaps of the mesh that were closed.
+    pub gaps: Vec<ClosedGap>,
     /// What was moved within the rounding of the file.
     pub snaps: Vec<Snap>,
     /// The share of the area that is not facets.
@@ -180,6 +182,8 @@ pub struct NetworkFit {
     pub net: net::Report,
     /// The number of irregular vertices.
     pub irregular: usize,
+    /// The gaps that stay filled although they should be cut out.
+    pub left_filled: Vec<LeftFilled>,
     /// The number of places at which faces turn over.
     pub folds: usize,
     /// The angles between neighbouring faces.
@@ -195,6 +199,24 @@ pub struct Seams {
     pub p95: f64,
     /// The largest.
     pub max: f64,
+}
+
+/// A gap of a shell that stays filled, because it cannot be cut out of the faces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct LeftFilled {
+    /// The hole, counted from 0 in the report's order.
+    pub hole: usize,
+    /// What is wrong with its loop.
+    pub fault: &'static str,
+    /// Where, in mm.
+    pub at: [f64; 3],
+}
+
+impl LeftFilled {
+    pub(super) fn scaled(self, factor: f64) -> Self {
+        LeftFilled { at: self.at.map(|x| factor * x), ..self }
+    }
 }
 
 impl ExactFit {

@@ -1,17 +1,20 @@
 //! The way from a clean mesh to a solid of exact faces: mesh → regions → seams → deviation. A mesh is clean if a CAD
 //! program made it, so that its vertices lie on their surfaces within the rounding of the file.
 
-use super::conversion::{Body, BodyFit, ExactFace, ExactFit, Missed};
+use formats::Brep;
+
+use super::conversion::{Body, BodyFit, ExactFit, Missed};
+use super::exact_distances::Distances;
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
-use super::{Options, TargetShape};
-use crate::deviation::{Deviation, FaceToScan};
+use super::{EdgeChoice, Options, TargetShape, exact_choice};
+use crate::deviation::Deviation;
 use crate::error::Result;
-use crate::geometry::{Point, VertexId};
 use crate::mesh::{Choice, Components, Mesh};
+use crate::noise::Terraces;
 use crate::primitives::PrimitiveKind;
 use crate::stages::regions::{self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation};
-use crate::stages::seams::{self, FacePatch};
+use crate::stages::seams::{self, ClosedGap, FacePatch, SolidFault};
 use crate::stages::{fill, smooth};
 use crate::words::plural;
 
@@ -19,32 +22,15 @@ use crate::words::plural;
 pub(super) enum Exact {
     /// The bodies that have them.
     Bodies(Vec<Body>),
-    /// The mesh is not clean, or not closed, or has no exact faces of significance.
+    /// The mesh is not clean, or has no exact faces of significance.
     Unsuited,
-    /// Why the faces that were found make no valid solid.
+    /// Why the faces that were found make no valid body.
     Failed(String),
 }
 
 /// Whether exact faces are wanted of a scan.
 pub(super) fn are_wanted(scan: &Components, options: &Options) -> bool {
     scan.raw_points().is_none() && options.spline_option().is_none()
-}
-
-/// The closed components among those that the options choose, as solids. There are none if one that is named is
-/// open, or the largest.
-pub(super) fn closed(scan: &Components, options: &Options) -> Vec<(Choice, TargetShape)> {
-    let solids =
-        |of: Vec<Choice>| of.into_iter().map(|component| (component, TargetShape::Solid)).collect();
-    match options.component {
-        Choice::Auto if options.all_components || scan.is_closed(Choice::Auto) => {
-            let all = (0..scan.count()).map(Choice::Number);
-            let closed: Vec<Choice> = all.filter(|&component| scan.is_closed(component)).collect();
-            let is_whole = closed.len() == scan.count() || !options.all_components;
-            solids(if is_whole { closed } else { Vec::new() })
-        }
-        component if scan.is_closed(component) => solids(vec![component]),
-        _ => Vec::new(),
-    }
 }
 
 /// A component with its exact regions.
@@ -58,7 +44,16 @@ struct ExactComponent {
     regions: Regions,
 }
 
-/// Makes solids of the components that the options choose, if all of them are clean and closed.
+impl ExactComponent {
+    /// The same as a shell if it would be a face, but several faces were found.
+    fn shell_of_several(self) -> Self {
+        let is_several = self.shape == TargetShape::Face && self.regions.regions.len() > 1;
+        let shape = if is_several { TargetShape::Shell } else { self.shape };
+        ExactComponent { shape, ..self }
+    }
+}
+
+/// Makes bodies of the components that the options choose, if all of them are clean.
 pub(super) fn exact(
     scan: &Components,
     shapes: &[(Choice, TargetShape)],
@@ -71,7 +66,7 @@ pub(super) fn exact(
     let mut found = Vec::new();
     for &(component, shape) in shapes {
         match regions_of(scan, component, shape, options)? {
-            Some(one) => found.push(one),
+            Some(one) => found.push(one.shell_of_several()),
             None => return Ok(Exact::Unsuited),
         }
     }
@@ -81,8 +76,16 @@ pub(super) fn exact(
     if significant.sum::<f64>() <= regions::MOST_OF_IT * areas.sum::<f64>() {
         return Ok(Exact::Unsuited);
     }
-    let shape = options.shape.unwrap_or(TargetShape::Solid);
-    watch(Stage::Begin { shape, components: found.len(), why: None })?;
+    let shapes: Vec<_> = found.iter().map(|one| (one.component, one.shape)).collect();
+    let has = |shape| shapes.iter().any(|of| of.1 == shape);
+    let own = match (has(TargetShape::Shell), has(TargetShape::Face)) {
+        (true, _) => TargetShape::Shell,
+        (_, true) => TargetShape::Face,
+        _ => TargetShape::Solid,
+    };
+    let shape = options.shape.unwrap_or(own);
+    let why = exact_choice::why(scan, &shapes, options);
+    watch(Stage::Begin { shape, components: found.len(), why })?;
     let left_out = scan.sizes().iter().sum::<usize>()
         - found.iter().map(|one| one.input.triangles).sum::<usize>();
     let mut bodies = Vec::new();
@@ -115,16 +118,34 @@ fn regions_of(
     options: &Options,
 ) -> Result<Option<ExactComponent>> {
     let (body, input) = input::whole_body(scan, component, shape, options)?;
-    let (mesh, unit) = (body.mesh, scan.unit());
-    let errors = FileRounding::errors_of(&mesh.points, unit);
+    let (mut mesh, unit) = (body.mesh, scan.unit());
+    let mut errors = FileRounding::errors_of(&mesh.points, unit);
+    if let Some((joined, numbers)) = mesh.without_short_edges(&errors) {
+        errors = numbers.into_iter().map(|v| errors[v]).collect();
+        mesh = joined;
+    }
     let measured = Tessellation::new(&mesh, &errors);
-    if FlatPairs::of(&measured).is_clean() == Some(false) {
+    // An open mesh is a scan, unless its flat pairs say otherwise. Of a grid whose steps are taken for the rounding none does.
+    let is_clean = FlatPairs::of(&measured).is_clean();
+    if !is_clean.unwrap_or_else(|| scan.is_closed(component)) {
         return Ok(None);
     }
-    let options = regions::Options { unit: 1.0 / unit, keep_polygons: options.keep_polygons };
+    let sharp = match options.edges {
+        EdgeChoice::Degrees(degrees) => Some(degrees.to_radians()),
+        EdgeChoice::Auto | EdgeChoice::Off => None,
+    };
+    let keep_polygons = options.keep_polygons;
+    let options = regions::Options { unit: 1.0 / unit, keep_polygons, sharp };
     let regions = regions::find(&measured, &options);
+    if regions.curved_share(&measured) < LEAST_CURVED && Terraces::of(&mesh).is_some() {
+        return Ok(None);
+    }
     Ok(Some(ExactComponent { component, shape, mesh, input, errors, regions }))
 }
+
+/// Heights in steps are planes and facets, and few of them look curved by chance. Curved faces with more than this share
+/// of the area are a design, whose heights are round numbers.
+const LEAST_CURVED: f64 = 0.05;
 
 /// The exact faces that a conversion finds on a component.
 #[derive(Debug, Clone, Default)]
@@ -136,15 +157,17 @@ pub struct ExactEstimate {
     pub facets: usize,
     /// The radii of the cylinders in mm, the widest first.
     pub radii: Vec<f64>,
+    /// What a conversion makes of them.
+    pub shape: Option<TargetShape>,
 }
 
-/// The exact faces of a component, if it is closed and clean and they are significant.
+/// The exact faces of a component, if it is clean and they are significant.
 pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<ExactEstimate>> {
     let options = Options::default();
-    if !are_wanted(scan, &options) || !scan.is_closed(component) {
-        return Ok(None);
-    }
-    let found = regions_of(scan, component, TargetShape::Solid, &options)?;
+    let shape = exact_choice::shape(scan, component, None)?;
+    let Some(shape) = shape.filter(|_| are_wanted(scan, &options)) else { return Ok(None) };
+    let found = regions_of(scan, component, shape, &options)?;
+    let found = found.map(ExactComponent::shell_of_several);
     Ok(found.filter(|found| found.regions.is_significant()).map(|found| {
         let regions = found.regions.regions.iter();
         let (facets, faces): (Vec<_>, Vec<_>) =
@@ -155,7 +178,7 @@ pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<Ex
             cylinders.filter_map(|of| of.surface.radius()).map(|r| scan.mm() * r).collect();
         radii.sort_by(|a, b| b.total_cmp(a));
         let kinds = faces.into_iter().map(|region| region.surface.kind()).collect();
-        ExactEstimate { kinds, facets: facets.len(), radii }
+        ExactEstimate { kinds, facets: facets.len(), radii, shape: Some(found.shape) }
     }))
 }
 
@@ -167,8 +190,38 @@ pub(super) fn left_for_splines(scan: &Components, options: &Options) -> Result<O
     let exact = estimate(scan, options.component)?;
     Ok(exact.map(|exact| {
         let faces = plural(exact.kinds.len() + exact.facets, "face");
-        format!("the faces are B-splines, as only these have a --{option}; without it, this is an exact solid of {faces}")
+        let shape = exact.shape.map_or("body", TargetShape::word);
+        let why = match option {
+            "edges" => "as --edges off leaves no sharp edges".into(),
+            option => format!("as only these have a --{option}"),
+        };
+        format!("the faces are B-splines, {why}; without it, this is an exact {shape} of {faces}")
     }))
+}
+
+/// What the seams of a component make: its B-rep, and the mesh without its gaps.
+struct Sewn {
+    brep: Brep,
+    report: seams::Report,
+    mesh: Mesh,
+    gaps: Vec<ClosedGap>,
+}
+
+/// Makes faces with edges of patches. The gaps of what becomes a solid are closed; the rims of a shell become free edges.
+fn sewn(
+    mesh: Mesh,
+    errors: &[f64],
+    patches: Vec<FacePatch>,
+    shape: TargetShape,
+    wanted: &seams::Options,
+) -> std::result::Result<Sewn, SolidFault> {
+    if matches!(shape, TargetShape::Shell | TargetShape::Face) {
+        let (brep, report) = seams::open_shell(&mesh, errors, patches, wanted)?;
+        return Ok(Sewn { brep, report, mesh, gaps: Vec::new() });
+    }
+    let closed = seams::close_gaps(&mesh, errors, patches)?;
+    let (brep, report) = seams::solid(&closed.mesh, &closed.errors, closed.patches, wanted)?;
+    Ok(Sewn { brep, report, mesh: closed.mesh, gaps: closed.gaps })
 }
 
 /// Makes the body of one component, or says why there is no valid one.
@@ -195,15 +248,19 @@ fn body(
         is_facet: region.origin == RegionOrigin::Facet,
         triangles: region.triangles.clone(),
     });
-    let named = seams::Options { name: options.name.clone() };
-    let (mut brep, report) = match seams::solid(&mesh, &errors, patches.collect(), &named) {
-        Ok(made) => made,
+    let measured = [mesh.points.len(), mesh.triangles.len()];
+    let least_exact = if regions.is_significant() { regions::MOST_OF_IT } else { 0.0 };
+    let wanted = seams::Options { name: options.name.clone(), least_exact };
+    let sewn = sewn(mesh, &errors, patches.collect(), shape, &wanted);
+    let Sewn { mut brep, report, mesh, gaps } = match sewn {
+        Ok(sewn) => sewn,
         Err(why) => return Ok(Err(why.to_string())),
     };
     watch(Stage::Brep)?;
-    let shape = match options.shape {
-        Some(TargetShape::Face) if brep.faces.len() == 1 => TargetShape::Face,
-        Some(TargetShape::Shell) => TargetShape::Shell,
+    let shape = match options.shape.unwrap_or(shape) {
+        TargetShape::Face if brep.faces.len() == 1 => TargetShape::Face,
+        TargetShape::Face if options.shape.is_none() => TargetShape::Shell,
+        TargetShape::Shell => TargetShape::Shell,
         _ => shape,
     };
     if shape != TargetShape::Solid {
@@ -214,14 +271,7 @@ fn body(
         brep = brep.reversed();
         patches.iter_mut().for_each(|patch| patch.side = -patch.side);
     }
-    let distances = Distances::of(&mesh, &patches);
-    if regions.is_significant() && distances.explained <= regions::MOST_OF_IT {
-        return Ok(Err(format!(
-            "{:.0} % of its area would be facets, as {}",
-            100.0 * (1.0 - distances.explained),
-            report.fallbacks.first().map_or("no surface has their corners", |first| &first.why)
-        )));
-    }
+    let distances = Distances::of(&mesh, measured, &patches);
     watch(Stage::Deviation)?;
     let rounding = errors.iter().copied().fold(0.0, f64::max);
     let tolerance = options.tolerance.unwrap_or(regions::MOST_ERRORS * rounding);
@@ -229,7 +279,7 @@ fn body(
     let noise = rounding / 3.0;
     let outside = distances.of_vertices.iter().map(|d| *d > 0.0).collect();
     let absolute = distances.of_vertices.iter().map(|d| d.abs()).collect();
-    let deviation = Deviation::of(&mesh.points, absolute).with_sides(outside);
+    let deviation = Deviation::of(&mesh.points[..measured[0]], absolute).with_sides(outside);
     Ok(Ok(Body {
         input,
         smooth: smooth::Report { noise, ..smooth::Report::default() },
@@ -256,74 +306,10 @@ fn body(
             mm,
             facets: report.facets,
             fallbacks: report.fallbacks,
+            gaps,
             snaps: regions.snaps,
             explained: distances.explained,
             rounding,
         })),
     }))
-}
-
-/// How far the vertices and the triangles of a mesh are from the surfaces of their faces.
-struct Distances {
-    /// For each vertex the largest distance from one of its surfaces, positive outside.
-    of_vertices: Vec<f64>,
-    of_faces: Vec<ExactFace>,
-    /// For each triangle its face.
-    of_triangle: Vec<u32>,
-    to_triangles: FaceToScan,
-    /// The share of the area that is not facets.
-    explained: f64,
-}
-
-impl Distances {
-    fn of(mesh: &Mesh, patches: &[FacePatch]) -> Self {
-        let mut of_vertices = vec![0.0f64; mesh.points.len()];
-        let mut of_triangle = vec![0; mesh.triangles.len()];
-        let mut of_faces = Vec::with_capacity(patches.len());
-        let (mut all, mut exact) = (0.0, 0.0);
-        let mut middles: Vec<(Point, f64)> = Vec::with_capacity(mesh.triangles.len());
-        for (number, patch) in patches.iter().enumerate() {
-            let corners = patch.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
-            let mut vertices: Vec<VertexId> = corners.collect();
-            vertices.sort_unstable();
-            vertices.dedup();
-            let mut squares = 0.0;
-            let mut max = 0.0f64;
-            for &v in &vertices {
-                let distance = patch.side * patch.surface.distance(mesh.point(v)).0;
-                let known = &mut of_vertices[v.index()];
-                if distance.abs() > known.abs() {
-                    *known = distance;
-                }
-                squares += distance * distance;
-                max = max.max(distance.abs());
-            }
-            for &t in &patch.triangles {
-                of_triangle[t as usize] = number as u32;
-                let area = mesh.area_vector(mesh.triangles[t as usize]).norm();
-                all += area;
-                exact += if patch.is_facet { 0.0 } else { area };
-                let [a, b, c] = mesh.corners(mesh.triangles[t as usize]).map(|p| p.coords);
-                let middle = Point::from((a + b + c) / 3.0);
-                middles.push((middle, patch.surface.distance(middle).0.abs()));
-            }
-            let rms = (squares / vertices.len().max(1) as f64).sqrt();
-            let FacePatch { surface, side, is_facet, .. } = *patch;
-            of_faces.push(ExactFace { surface, side, is_facet, rms, max, points: vertices.len() });
-        }
-        let (points, distances): (Vec<Point>, Vec<f64>) = middles.into_iter().unzip();
-        let found = Deviation::of(&points, distances);
-        let to_triangles = FaceToScan {
-            rms: found.rms,
-            p95: found.p95,
-            max: found.max,
-            max_at: found.max_at,
-            // The corners of the triangles lie on the surface, so that all of this is chord error.
-            chord_error: found.max,
-            beyond: 0,
-            places: points.len(),
-        };
-        let explained = exact / f64::max(all, f64::MIN_POSITIVE);
-        Distances { of_vertices, of_faces, of_triangle, to_triangles, explained }
-    }
 }

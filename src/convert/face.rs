@@ -31,6 +31,9 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     // Vertices that stand for several points have less noise than these.
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
     let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
+    // Points without noise can be followed as far as anybody asks for.
+    let worth = Goal::of_scan(&measured.mesh, noise, smooth.is_noisy).noise();
+    let worth = if smooth.is_noisy { worth } else { 0.0 };
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
 
     let fill_options =
@@ -43,11 +46,12 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     // A tolerance that the user names is held at every point.
     let supports = if goal.named { &[][..] } else { &smooth.supports };
     let (mut map, thin, parameterize) = map(patch, supports, options, watch)?;
-    let crushed = parameterize::compressed_region(&map, tolerance, options.knots.largest_net());
+    let largest_net = options.knots.largest_net_for(&goal, map.patch.measured);
+    let crushed = parameterize::compressed_region(&map, tolerance, largest_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
     let (surface, fit) =
-        adapt::fit_with(&mut map, &options.adapt(noise), &goal, &mut within("fit", watch))?;
+        adapt::fit_with(&mut map, &options.adapt(noise, worth), &goal, &mut within("fit", watch))?;
     let surface = surface.rounded(measured.mesh.diagonal());
     watch(Stage::Fit(&surface))?;
 
@@ -55,6 +59,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     let rims = cut::rims(&map, &trimmed);
     let trim_options = options.trim(tolerance, rims.iter().map(|rim| rim.points.as_slice()));
     let arcs = trim::arcs(&surface, &rims, &trim_options)?;
+    let rim_tolerance = trim_options.largest_rim(&surface, &rims);
     // How near edges must be to the surface is a matter of millimetres.
     let placed = surface.clone().scaled(mm);
     let rims: Vec<trim::Rim> = rims.into_iter().map(|rim| rim.scaled(mm)).collect();
@@ -74,7 +79,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     let deviation = face.deviation(&raw.points, &raw.of_vertices(&starts));
     let of_vertices = || face.deviation(&measured.mesh.points, &starts).scaled(mm);
     let vertex_deviation = raw.vertex_of.as_ref().map(|_| of_vertices());
-    let excused = if trim_options.keeps_vertices { 0.0 } else { trim_options.rim };
+    let excused = if trim_options.keeps_vertices { 0.0 } else { rim_tolerance };
     let missed = missed(&face, (&smoothed_points, &starts), &fit_deviation, (tolerance, excused));
     let seen = map.measured_triangles();
     let between = deviation::SurfaceOverMesh::new(&map.patch.mesh, &seen, &map.uv, &surface);
@@ -109,7 +114,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
             adapted: fit.scaled(mm),
             outer: outer.map(|(control, off)| (control, mm * off)),
             trim,
-            rim_tolerance: mm * trim_options.rim,
+            rim_tolerance: mm * rim_tolerance,
         })),
     })
 }

@@ -3,18 +3,17 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::face_options::FaceOptions;
+use super::gaps::Gaps;
 use super::refined::refined;
 use super::stage::{Observer, Stage, within};
-use super::{Options, TargetShape};
 use crate::deviation::{self, NetworkToScan};
 use crate::error::{Error, Result};
-use crate::geometry::{Bound, Point};
-use crate::mesh::boundary::Loop;
-use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
+use crate::geometry::Point;
+use crate::mesh::{FaceOrigin, Patch, QuadMesh};
 use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
 use crate::stages::layout::QuadLayout;
-use crate::stages::trim::network::{CutFault, NetworkRim};
-use crate::stages::{layout, net, patches, trim};
+use crate::stages::trim::network::CutFault;
+use crate::stages::{layout, net, patches};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
 /// rounds do not help.
@@ -37,35 +36,6 @@ pub(super) const SEAM_PLACES: usize = 4;
 /// as firm.
 pub(super) const HOLDS: usize = 4;
 
-/// The gaps that are cut out of the faces.
-pub(super) struct Gaps {
-    rims: Vec<NetworkRim>,
-    options: trim::Options,
-}
-
-impl Gaps {
-    /// All gaps of a shell, and none of a solid.
-    pub fn of(patch: &Patch, shape: TargetShape, tolerance: f64, options: &Options) -> Self {
-        let triangles = patch.measured_triangles().map(|t| patch.mesh.triangles[t]).collect();
-        let normals = Mesh { points: patch.mesh.points.clone(), triangles }.vertex_normals();
-        let rim = |(hole, rim): (usize, &Loop)| NetworkRim {
-            of: Bound::Hole(hole),
-            points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
-            normals: rim.iter().map(|v| normals[v.index()]).collect(),
-        };
-        let rims: Vec<_> = match shape {
-            TargetShape::Shell => patch.rims.iter().enumerate().map(rim).collect(),
-            _ => Vec::new(),
-        };
-        let options = options.trim(tolerance, rims.iter().map(|rim| rim.points.as_slice()));
-        Gaps { rims, options }
-    }
-
-    fn cut(&self, network: &Network) -> std::result::Result<NetworkCut, CutFault> {
-        trim::network::cut(network, &self.rims, &self.options)
-    }
-}
-
 /// The faces of a body, in the lengths of its mesh.
 #[derive(Clone)]
 pub(super) struct Faces {
@@ -85,10 +55,10 @@ pub(super) struct Faces {
 
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
 /// go through each other, and then, unless a number of faces is wanted, where they are far from the
-/// scan. Then single faces are refined.
+/// scan. Then single faces are refined. A gap that cannot be cut out even of finer faces stays filled.
 pub(super) fn faces(
     patch: &Patch,
-    gaps: &Gaps,
+    gaps: &mut Gaps,
     options: &FaceOptions,
     watch: &mut Observer,
 ) -> Result<Faces> {
@@ -114,16 +84,21 @@ pub(super) fn faces(
         } else {
             let blocks = faulty_blocks(&faults, faces.network.surfaces.len());
             let blocks = blocks.filter(|_| round < FINER_ROUNDS);
-            blocks.ok_or_else(|| faces.refused(&faults))?
+            round += usize::from(blocks.is_some());
+            let smaller =
+                |blocks: Vec<usize>| finer(&mut layout, &blocks, patch, gaps, options, watch);
+            made = match blocks.map(smaller).transpose()?.flatten() {
+                None => Some(faces.without_gap(&faults, gaps, patch, options.tolerance)?),
+                smaller => smaller,
+            };
+            continue;
         };
         if blocks.is_empty() || round == FINER_ROUNDS {
             break;
         }
         round += 1;
         made = match finer(&mut layout, &blocks, patch, gaps, options, watch) {
-            Err(error) if best.is_none() || is_stopped.load(Ordering::Relaxed) => {
-                return Err(error);
-            }
+            Err(error) if is_stopped.load(Ordering::Relaxed) => return Err(error),
             // Sound faces are there, and a finer layout has none.
             made => made.ok().flatten(),
         };
@@ -246,6 +221,20 @@ impl Faces {
             }
         }
         (self, faults)
+    }
+
+    /// The same faces with the gap filled that cannot be cut out, if that is their fault.
+    fn without_gap(
+        self,
+        faults: &[FacesFault],
+        gaps: &mut Gaps,
+        patch: &Patch,
+        tolerance: f64,
+    ) -> Result<(Self, Vec<FacesFault>)> {
+        match &self.uncut {
+            Some(fault) if gaps.leave(fault) => Ok(self.checked(patch, gaps, tolerance)),
+            _ => Err(self.refused(faults)),
+        }
     }
 
     /// Why faces with some faults are none.

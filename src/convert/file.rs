@@ -66,10 +66,29 @@ pub fn convert_file(
     // A name that no writer takes is refused before the work begins.
     kind(out.as_ref())?;
     let file = scan.as_ref().to_owned();
+    if is_same_file(&file, out.as_ref()) {
+        let what = "is the scan, which no output may replace";
+        return Err(formats::Error::new(out.as_ref(), what, "name another file").into());
+    }
     let made = convert(Scan::read(&file)?, options, &mut |_| Ok(()));
     let conversion = made.map_err(|error| Error::Scan { file, error: Box::new(error) })?;
     conversion.write(out)?;
     Ok(conversion)
+}
+
+/// Whether two paths lead to the same file, through links of either kind. Files that do not exist are not the same.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let place = |path: &Path| fs::metadata(path).ok().map(|meta| (meta.dev(), meta.ino()));
+        place(a).is_some_and(|of_a| place(b) == Some(of_a))
+    }
+    #[cfg(not(unix))]
+    {
+        let place = |path: &Path| fs::canonicalize(path).ok();
+        place(a).is_some_and(|of_a| place(b) == Some(of_a))
+    }
 }
 
 /// What the name of a file says that it is.

@@ -1,6 +1,6 @@
 //! What could be better of a conversion, and what the user can do about it.
 
-use super::{Body, Cut, Options, SurfaceFit, TargetShape};
+use super::{Body, Cut, LeftFilled, Options, SurfaceFit, TargetShape};
 use crate::geometry::{Point, bounds};
 use crate::stages::adapt::Folds;
 use crate::stages::smooth::Support;
@@ -12,12 +12,22 @@ use crate::words::{grouped, mm, plural};
 pub(super) fn of(body: &Body, options: &Options) -> Vec<String> {
     let missed = missed(options, body);
     let of_face = body.face().map(|face| of_face(body, face, options));
-    missed.into_iter().chain(of_face.into_iter().flatten()).collect()
+    let filled = body.network().map(|fit| fit.left_filled.as_slice()).unwrap_or_default();
+    let all = missed.into_iter().chain(of_face.into_iter().flatten());
+    all.chain(filled.iter().map(left_filled)).collect()
+}
+
+/// What fills a hole was not measured.
+fn left_filled(LeftFilled { hole, fault, at: [x, y, z] }: &LeftFilled) -> String {
+    format!(
+        "hole {hole} stays filled, as its trim loop {fault}, near ({x:.3}, {y:.3}, {z:.3}); what fills it was not measured"
+    )
 }
 
 fn of_face(body: &Body, face: &SurfaceFit, options: &Options) -> Vec<String> {
     let hints = [
         hindered(body, face),
+        spent(body, face, options),
         flattened(options, body),
         strayed_corner(options, face),
         face.crushed.map(|crushed| crushed.to_string()),
@@ -59,6 +69,18 @@ fn hindered(c: &Body, face: &SurfaceFit) -> Option<String> {
         mm(c.tolerance),
         mm(outlying(c.deviation.distances.len()) * noise)
     ))
+}
+
+/// Finer nets gain too little for the work that they take.
+fn spent(body: &Body, face: &SurfaceFit, options: &Options) -> Option<String> {
+    let is_left = face.adapted.is_spent && !body.tolerance_met(options.outliers);
+    is_left.then(|| {
+        format!(
+            "finer nets gain little: the search for {} ended after three times the work of a conversion without --tolerance; the face that was found holds a --tolerance of {}",
+            mm(body.tolerance),
+            mm(body.missed.worst.max(body.face_to_scan.max))
+        )
+    })
 }
 
 /// Fewer points do not tell noise from shape.

@@ -33,6 +33,8 @@ pub struct InputReport {
     pub island_triangles: usize,
     /// Triangles in the components left out.
     pub left_out: usize,
+    /// Components left out that touch or overlap the chosen one.
+    pub beside: Vec<usize>,
     /// Boundary loops of the chosen component.
     pub boundary_loops: usize,
     /// The lowest and the highest coordinates of the chosen component, in mm.
@@ -70,7 +72,7 @@ pub struct Inspection {
     pub is_ragged: Option<bool>,
     /// The largest components, if there are several.
     pub pieces: Vec<PieceReport>,
-    /// The exact faces that it has, if it is a closed clean mesh. There is then no other estimate.
+    /// The exact faces that it has, if it is a clean mesh. There is then no other estimate.
     pub exact: Option<ExactEstimate>,
     /// An estimate of a solid or a shell. `None` for a face, or if a conversion fails before it has a
     /// layout.
@@ -118,6 +120,7 @@ impl InputReport {
             islands: 0,
             island_triangles: 0,
             left_out: chosen.left_out,
+            beside: scan.beside(component, chosen.own_mesh()),
             boundary_loops: chosen.topology.loops,
             bounds: chosen.own_mesh().bounds().map(|p| (scan.mm() * p.coords).into()),
             repairs: scan.repairs().clone(),
@@ -129,6 +132,7 @@ impl InputReport {
     /// are the triangles of each of the scan's components.
     fn count_islands(&mut self, disk: &Disk, sizes: &[usize]) {
         self.islands = disk.islands.len();
+        self.beside.retain(|&n| disk.islands.iter().all(|island| island.component != n));
         self.island_triangles = disk.islands.iter().map(|i| i.triangles).sum();
         self.left_out -= disk.islands.iter().map(|i| sizes[i.component]).sum::<usize>();
     }
@@ -161,7 +165,8 @@ pub(crate) fn body(
     Ok((body, input))
 }
 
-/// Mesh → body with all its handles, in the lengths of the mesh. It faces outwards, also where it is a void.
+/// Mesh → body with all its handles, in the lengths of the mesh. It faces outwards, also where it is a void. An open
+/// one keeps the sides of the scan.
 pub(crate) fn whole_body(
     scan: &Components,
     component: Choice,
@@ -176,7 +181,8 @@ pub(crate) fn whole_body(
     let mut body = chosen.into_own_body(&mut input.repairs)?;
     match shape {
         TargetShape::Void => body.turn(true, &mut Repairs::new()),
-        _ => body.turn(true, &mut input.repairs),
+        TargetShape::Shell | TargetShape::Face => {}
+        TargetShape::Solid => body.turn(true, &mut input.repairs),
     }
     Ok((body, input))
 }
@@ -266,7 +272,8 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
     let mut input = InputReport::new(&scan, component, &chosen);
     let sizes = scan.sizes();
     let raw_noise = scan.raw_points().map_or(0.0, RawPoints::noise);
-    let (shape, reason) = shape_and_reason(&chosen);
+    let (own, reason) = shape_and_reason(&chosen);
+    let shape = exact.as_ref().and_then(|exact| exact.shape).unwrap_or(own);
     let is_refused = shape == TargetShape::Face && !chosen.topology.is_disk();
     let shape = (!is_refused).then_some(shape);
     let body = match exact {

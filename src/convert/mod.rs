@@ -2,6 +2,7 @@
 //! and each way from a component to a body has a file of its own, which calls the stages in its order: a sheet
 //! becomes one face (`face.rs`), and anything else a solid or a shell of several faces (`body.rs`).
 
+mod assembly;
 mod body;
 mod cloud;
 mod components;
@@ -9,10 +10,13 @@ mod conversion;
 pub mod cut;
 mod estimate;
 mod exact;
+mod exact_choice;
+mod exact_distances;
 mod face;
 mod face_options;
 mod faces;
 mod file;
+mod gaps;
 mod goal;
 mod hints;
 mod input;
@@ -25,17 +29,22 @@ mod scan;
 mod shape;
 mod stage;
 
+pub use assembly::{
+    AssemblyConversion, ConvertedPart, InspectedPart, ScenePart, convert_scene, has_parts,
+    inspect_scene,
+};
 pub use cloud::{cloud_components, mesh_components};
 pub use conversion::{
-    Body, BodyFit, Conversion, ExactFace, ExactFit, Missed, NetworkFit, Part, Seams, SurfaceFit,
+    Body, BodyFit, Conversion, ExactFace, ExactFit, LeftFilled, Missed, NetworkFit, Part, Seams,
+    SurfaceFit,
 };
 pub use cut::Cut;
 pub use estimate::BodyEstimate;
 pub use exact::ExactEstimate;
-pub use file::convert_file;
+pub use file::{convert_file, is_same_file};
 pub use input::{InputReport, Inspection, Measured, PieceReport, inspect, measured};
 pub use memory::Memory;
-pub use options::{Builder, Options, SurfaceChoice};
+pub use options::{Builder, EdgeChoice, Options, SurfaceChoice};
 pub use places::ScanPlace;
 pub use scan::{Scan, convert};
 pub use shape::{TargetShape, shape, voids};

@@ -4,7 +4,7 @@ use formats::{Points, Soup};
 
 use super::Options;
 use crate::error::{Error, Result};
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::mesh::Outer;
 use crate::stages::smooth;
 
@@ -20,12 +20,14 @@ pub enum ScanPlace {
 }
 
 impl ScanPlace {
-    /// The place in mm, for a mesh whose numbers are so many `mm`.
+    /// The place in mm from the mesh's origin ([`Soup::round_origin`]), for a mesh whose numbers are so many `mm`.
     ///
     /// # Errors
     /// [`Error::Vertex`]: the scan has no such vertex.
     pub fn resolve(self, soup: &Soup, mm: f64) -> Result<Point> {
-        self.among(&soup.points, [0.0; 3], mm)
+        let origin = soup.round_origin(mm);
+        let in_file = |place: Point| place - mm * Vector::from(origin);
+        self.among(&soup.points, [0.0; 3], mm).map(in_file)
     }
 
     /// The place in mm from the cloud's origin, for a cloud whose numbers are so many `mm`. Its

@@ -1,7 +1,8 @@
 //! More knots in those faces of a body that miss the tolerance.
 
 use super::face_options::FaceOptions;
-use super::faces::{Faces, Gaps, HOLDS};
+use super::faces::{Faces, HOLDS};
+use super::gaps::Gaps;
 use crate::error::Result;
 use crate::mesh::Patch;
 use crate::stages::refine;

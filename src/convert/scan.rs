@@ -69,7 +69,10 @@ pub fn convert<'a>(
     options: &Options,
     watch: &mut Observer,
 ) -> Result<Conversion> {
-    let scan = scan.into();
+    let scan = match scan.into() {
+        Scan::Mesh(soup) if options.remesh => Scan::Cloud(Points::of_mesh(&soup)),
+        other => other,
+    };
     let (memory, options) = match &scan {
         Scan::Mesh(soup) => (Some(Memory::of(soup, options)), options.resolved(soup)?),
         Scan::Cloud(cloud) => {

@@ -29,17 +29,17 @@ impl TargetShape {
     }
 }
 
-/// A component is a body if flat caps over its gaps add less than this share to its area. Scanned
+/// A component is a body if fillings of its gaps add less than this share to its area. Scanned
 /// bodies have gaps of 0.1 to 3.5 %, pipes with open ends 11 to 13 %, busts with an open base 8 to
 /// 25 %.
 const GAPS: f64 = 0.05;
 
-/// A component with several ends of similar size is a pipe if flat caps over all its loops have less than
+/// A component with several ends of similar size is a pipe if the fillings of all its loops have less than
 /// this share of its area. A pipe as long as its diameter has 0.5. A plate with a hole, which one face
 /// holds, has more than 1.
 const PIPE: f64 = 0.5;
 
-/// Two ends are similar if the cap of one has at least this share of the other's area. The holes in the
+/// Two ends are similar if the filling of one has at least this share of the other's area. The holes in the
 /// sheets of real scans have at most a twentieth of the outer loop's.
 const SIMILAR: f64 = 0.25;
 
@@ -76,15 +76,15 @@ pub(super) fn shape_and_reason(component: &Component) -> (TargetShape, &'static 
         true if topology.loops == 0 => (TargetShape::Solid, "as it is closed"),
         true if component.gap_share() < GAPS => (TargetShape::Solid, "as its gaps are small"),
         true if topology.genus() > 0.0 => (TargetShape::Shell, "as one face holds no handles"),
-        true if is_pipe(&component.cap_shares()) => {
+        true if is_pipe(&component.filling_shares()) => {
             (TargetShape::Shell, "as one face holds no pipe with open ends")
         }
         _ => (TargetShape::Face, "as it is one sheet"),
     }
 }
 
-/// Whether these shares of the area, largest first, are those of the caps of a pipe.
-fn is_pipe(caps: &[f64]) -> bool {
-    let [first, second, ..] = caps else { return false };
-    caps.iter().sum::<f64>() < PIPE && *second > SIMILAR * first
+/// Whether these shares of the area, largest first, are those of the ends of a pipe.
+fn is_pipe(ends: &[f64]) -> bool {
+    let [first, second, ..] = ends else { return false };
+    ends.iter().sum::<f64>() < PIPE && *second > SIMILAR * first
 }

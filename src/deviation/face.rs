@@ -1,6 +1,7 @@
 //! A trimmed face, and the distances of points from it.
 
 use std::fmt;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -11,12 +12,15 @@ use crate::spline::chords::chords;
 use crate::spline::nearest::{Foot, NearestPlace, NearestSearch};
 use crate::spline::{ACCURACY, Curve, EdgeTree, ParametricSurface, Surface};
 
+/// A surface in a form that is faster to evaluate, if there is one ([`ParametricSurface::fast_form`]).
+pub(crate) type FastForm = Option<Arc<dyn ParametricSurface>>;
+
 /// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the
 /// holes, and so on.
 pub struct TrimmedFace<'a, S> {
     surface: &'a S,
     /// The same surface in a form that is faster to evaluate, if there is one.
-    fast_form: Option<Box<dyn ParametricSurface>>,
+    fast_form: FastForm,
     trim: Trim,
     search: NearestSearch,
 }
@@ -34,6 +38,8 @@ impl<S: fmt::Debug> fmt::Debug for TrimmedFace<'_, S> {
 #[derive(Debug)]
 struct Trim {
     outlines: Vec<SlabPolygon>,
+    /// The periods of the surface.
+    periods: [Option<f64>; 2],
     /// Whether a place that no loop surrounds is on the face.
     natural: bool,
     /// The sides of the polygons in space. `sides` has them in the parameter plane, in the same
@@ -44,6 +50,15 @@ struct Trim {
 
 /// A corner of a polygon: its parameter point and its position in space.
 type PolygonCorner = (Uv, Point);
+
+/// A closed polygon that trims a face.
+#[derive(Debug, Default)]
+pub(crate) struct TrimRing {
+    /// Its corners. The first one is not repeated at the end.
+    pub corners: Vec<PolygonCorner>,
+    /// The corners at which sides begin that are no edges, but lines across the face.
+    pub across: Vec<usize>,
+}
 
 impl<'a> TrimmedFace<'a, Surface> {
     /// The face that the given loops trim. A face that is `natural` ends where the surface ends;
@@ -67,8 +82,9 @@ impl<'a> TrimmedFace<'a, Surface> {
         let rings = loops
             .par_iter()
             .map(|arcs| loop_polygon(evaluated(surface, &fast_form), arcs, chord))
+            .map(|corners| TrimRing { corners, across: Vec::new() })
             .collect();
-        TrimmedFace::with(surface, fast_form, rings, natural)
+        TrimmedFace::with(surface, fast_form, (rings, natural), [None; 2])
     }
 
     /// The deviation of points from the face, and the side of the face that each point is on.
@@ -101,18 +117,15 @@ impl<'a> TrimmedFace<'a, Surface> {
 
 impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
     /// The face that closed polygons trim. A place is on the face depending on whether an odd or an
-    /// even number of polygons contains it. Without polygons the face is the whole surface.
-    pub(crate) fn of_rings(surface: &'a S, rings: Vec<Vec<PolygonCorner>>, natural: bool) -> Self {
-        TrimmedFace::with(surface, surface.fast_form(), rings, natural)
-    }
-
-    fn with(
+    /// even number of polygons contains it. Without polygons the face is the whole surface. Faces on one
+    /// surface may share its fast form. Polygons repeat themselves after the periods of the surface, if it has some.
+    pub(crate) fn with(
         surface: &'a S,
-        fast_form: Option<Box<dyn ParametricSurface>>,
-        rings: Vec<Vec<PolygonCorner>>,
-        natural: bool,
+        fast_form: FastForm,
+        (rings, natural): (Vec<TrimRing>, bool),
+        periods: [Option<f64>; 2],
     ) -> Self {
-        let trim = Trim::new(&rings, natural);
+        let trim = Trim::new(&rings, natural, periods);
         let search =
             NearestSearch::new(evaluated(surface, &fast_form), |low, high| trim.leaves(low, high));
         TrimmedFace { surface, fast_form, trim, search }
@@ -123,9 +136,19 @@ impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
         self.surface
     }
 
+    /// The untrimmed surface in the form that is fastest to evaluate.
+    pub(crate) fn evaluated(&self) -> &dyn ParametricSurface {
+        evaluated(self.surface, &self.fast_form)
+    }
+
     /// Whether a parameter point of the surface's domain is on the face.
     pub fn contains(&self, at: Uv) -> bool {
         self.trim.contains(at)
+    }
+
+    /// Whether the polygon with a number surrounds a parameter point.
+    pub(crate) fn surrounds(&self, ring: usize, at: Uv) -> bool {
+        self.trim.surrounds(ring, at)
     }
 
     /// The distance of `p` from the face in mm, as [`TrimmedFace::nearest`] computes it.
@@ -161,11 +184,13 @@ impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
 }
 
 impl Trim {
-    fn new(rings: &[Vec<PolygonCorner>], natural: bool) -> Self {
-        let sides = || rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
-        let outlines = rings.par_iter().map(|ring| SlabPolygon::new(ring.iter().map(|c| c.0)));
+    fn new(rings: &[TrimRing], natural: bool, periods: [Option<f64>; 2]) -> Self {
+        let sides = || rings.iter().flat_map(edges);
+        let outlines =
+            rings.par_iter().map(|ring| SlabPolygon::new(ring.corners.iter().map(|c| c.0)));
         Trim {
             outlines: outlines.collect(),
+            periods,
             natural: natural || rings.is_empty(),
             edges: EdgeTree::of_sides(sides().map(|(a, b)| [a.1, b.1])),
             sides: sides().map(|(a, b)| [a.0, b.0]).collect(),
@@ -173,14 +198,25 @@ impl Trim {
     }
 
     fn contains(&self, at: Uv) -> bool {
-        let around = self.outlines.iter().filter(|outline| outline.contains(at)).count();
+        let around = (0..self.outlines.len()).filter(|&ring| self.surrounds(ring, at)).count();
         around.is_multiple_of(2) == self.natural
+    }
+
+    /// Whether a polygon surrounds a parameter point.
+    fn surrounds(&self, ring: usize, at: Uv) -> bool {
+        let outline = &self.outlines[ring];
+        let images = outline.images(self.periods, at, at);
+        images.filter(|shift| outline.contains(at + shift)).count() % 2 == 1
     }
 
     /// Whether a part of the rectangle from `low` to `high` may be on the face.
     fn leaves(&self, low: Uv, high: Uv) -> bool {
         let middle = nalgebra::center(&low, &high);
-        self.outlines.iter().any(|outline| outline.meets(low, high)) || self.contains(middle)
+        let meets = |outline: &SlabPolygon| {
+            let mut images = outline.images(self.periods, low, high);
+            images.any(|shift| outline.meets(low + shift, high + shift))
+        };
+        self.outlines.iter().any(meets) || self.contains(middle)
     }
 
     /// The nearest point of the trim curves.
@@ -191,10 +227,17 @@ impl Trim {
     }
 }
 
+/// The sides of a ring that are edges.
+fn edges(ring: &TrimRing) -> impl Iterator<Item = (&PolygonCorner, &PolygonCorner)> {
+    let sides = ring.corners.iter().zip(ring.corners.iter().cycle().skip(1));
+    let is_edge = |(i, side)| (!ring.across.contains(&i)).then_some(side);
+    sides.enumerate().filter_map(is_edge)
+}
+
 /// The form of the surface that is evaluated.
 fn evaluated<'a, S: ParametricSurface>(
     surface: &'a S,
-    fast_form: &'a Option<Box<dyn ParametricSurface>>,
+    fast_form: &'a FastForm,
 ) -> &'a dyn ParametricSurface {
     fast_form.as_deref().unwrap_or(surface)
 }

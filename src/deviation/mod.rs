@@ -4,17 +4,19 @@
 
 mod face;
 mod face_to_scan;
+mod face_tree;
 mod network;
 mod slab_polygon;
 mod tessellation;
 
 pub use face::TrimmedFace;
+pub(crate) use face::{FastForm, TrimRing};
 pub use face_to_scan::FaceToScan;
 pub(crate) use face_to_scan::{
     MissedTriangle, SAMPLED, SAMPLES_PER_CELL, SurfaceOverMesh, middles, narrowest, samples_along,
     spanned,
 };
-pub(crate) use network::FaceTree;
+pub(crate) use face_tree::{FacePlace, FaceTree};
 pub use network::{FaceMiss, NetworkToScan, network_to_scan, of_network};
 pub use tessellation::{crossing_faces, tessellation};
 

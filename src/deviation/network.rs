@@ -1,50 +1,11 @@
 //! The distances of points from the faces of a network, and of the faces from a mesh.
 
 use rayon::prelude::*;
-use rstar::RTree;
-use rstar::primitives::{GeomWithData, Rectangle};
 
-use super::{Deviation, FaceToScan, TrimmedFace};
+use super::{Deviation, FaceToScan, FaceTree, TrimmedFace};
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::{Mesh, QuadMesh, Triangles, nearest_on};
-use crate::spline::{
-    KeptFace, KeptPlaces, Network, NetworkCut, ParametricSurface, SAMPLES_PER_SPAN,
-};
-
-/// Several faces, with a tree of the boxes around them.
-pub(crate) struct FaceTree<'a, S> {
-    faces: Vec<TrimmedFace<'a, S>>,
-    boxes: RTree<GeomWithData<Rectangle<[f64; 3]>, usize>>,
-}
-
-impl<'a, S: ParametricSurface> FaceTree<'a, S> {
-    /// Builds the tree.
-    pub(crate) fn new(faces: Vec<TrimmedFace<'a, S>>) -> Self {
-        let of_face = |(number, face): (usize, &TrimmedFace<S>)| {
-            let [low, high] = face.bounds()?;
-            let around = Rectangle::from_corners(low.into(), high.into());
-            Some(GeomWithData::new(around, number))
-        };
-        let boxes = RTree::bulk_load(faces.iter().enumerate().filter_map(of_face).collect());
-        FaceTree { faces, boxes }
-    }
-
-    /// The distance of `p` from the nearest face, the number of this face, and the place on it. Of faces at
-    /// the same distance it is the first. The distance is infinite if there are no faces.
-    pub(crate) fn nearest(&self, p: Point) -> (f64, usize, Uv) {
-        let mut best = (f64::INFINITY, 0, Uv::origin());
-        for (entry, squared) in self.boxes.nearest_neighbor_iter_with_distance_2(p.into()) {
-            if squared.sqrt() > best.0 {
-                break;
-            }
-            let (at, distance) = self.faces[entry.data].nearest(p, None);
-            if (distance, entry.data) < (best.0, best.1) {
-                best = (distance, entry.data, at);
-            }
-        }
-        best
-    }
-}
+use crate::spline::{KeptFace, KeptPlaces, Network, NetworkCut, SAMPLES_PER_SPAN};
 
 /// The deviation of points from the faces that a cut leaves of a network, the sides of the faces that they
 /// are on, and the face nearest to each.
@@ -58,7 +19,7 @@ pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Devi
     let tree = FaceTree::new(cut.faces.iter().map(face).collect());
     let each = points.par_iter().map(|&p| {
         let (distance, number, at) = tree.nearest(p);
-        (distance, (tree.faces[number].is_above(p, at), number))
+        (distance, (tree.is_above(p, number, at), number))
     });
     let (distances, (above, faces)): (Vec<f64>, (Vec<bool>, Vec<usize>)) = each.unzip();
     Deviation { faces, ..Deviation::of(points, distances).with_sides(above) }

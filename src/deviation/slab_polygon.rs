@@ -1,6 +1,9 @@
 //! Closed polygons of the parameter plane, with a fast point-in-polygon test.
 
-use crate::geometry::{Uv, ray_crosses, uv_bounds};
+use crate::geometry::{Uv, UvVector, ray_crosses, uv_bounds};
+
+/// A polygon has so many images along an axis that may contain one place, at most.
+const MOST_IMAGES: f64 = 16.0;
 
 /// A closed polygon that is indexed by strips of v (slab method: Dobkin, Lipton, 1976).
 #[derive(Debug, Clone)]
@@ -43,6 +46,29 @@ impl SlabPolygon {
         }
         let sides = self.strips[self.strip(p.y)].iter();
         sides.filter(|&&i| ray_crosses(p, self.side(i as usize))).count() % 2 == 1
+    }
+
+    /// The vectors of whole periods by which the rectangle from `low` to `high` meets the polygon's box.
+    pub(super) fn images(
+        &self,
+        periods: [Option<f64>; 2],
+        low: Uv,
+        high: Uv,
+    ) -> impl Iterator<Item = UvVector> + use<> {
+        let of = |axis: usize| match periods[axis] {
+            Some(period) => {
+                let first = ((self.low[axis] - high[axis]) / period).ceil();
+                let last = ((self.high[axis] - low[axis]) / period).floor();
+                // A polygon goes around once, so it has few images.
+                let count = (last - first + 1.0).clamp(0.0, MOST_IMAGES);
+                (first * period, period, count as usize)
+            }
+            None => (0.0, 0.0, 1),
+        };
+        let ([u, v], count) = ([of(0), of(1)], of(1).2);
+        (0..u.2 * count).map(move |i| {
+            UvVector::new(u.0 + u.1 * (i / count) as f64, v.0 + v.1 * (i % count) as f64)
+        })
     }
 
     /// Whether a side may cross the rectangle from `low` to `high`. Only the bounding boxes of the

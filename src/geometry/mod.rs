@@ -179,6 +179,11 @@ pub(crate) fn unit_normal([a, b, c]: [Point; 3]) -> Option<Vector> {
     (b - a).cross(&(c - a)).try_normalize(0.0)
 }
 
+/// The least and the greatest of some numbers; ∞ and −∞ if there is none.
+pub(crate) fn range(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+    numbers.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+}
+
 /// The lowest and the highest coordinates of some points, or the origin twice if there are none.
 pub(crate) fn bounds(mut points: impl Iterator<Item = Point>) -> [Point; 2] {
     let first = points.next().unwrap_or_else(Point::origin);

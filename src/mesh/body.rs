@@ -5,6 +5,7 @@ use foldhash::{HashSet, HashSetExt};
 use super::boundary::{self, Loop};
 use super::build::count;
 use super::components::{Component, trim_bow_ties};
+use super::least_area::filling_area;
 use super::{Disk, Mesh, Repairs};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, VertexId};
@@ -28,19 +29,19 @@ impl Component {
         Ok(Disk { mesh: build.mesh, outer: Vec::new(), holes, islands: Vec::new() })
     }
 
-    /// The share that flat caps over all boundary loops would add to the area of the component.
+    /// The share that fillings of all boundary loops would add to the area of the component.
     pub(crate) fn gap_share(&self) -> f64 {
-        self.cap_shares().iter().sum()
+        self.filling_shares().iter().sum()
     }
 
-    /// The areas of flat caps over the boundary loops, as shares of the area of the component, in
+    /// The least areas of fillings of the boundary loops, as shares of the area of the component, in
     /// descending order.
-    pub(crate) fn cap_shares(&self) -> Vec<f64> {
+    pub(crate) fn filling_shares(&self) -> Vec<f64> {
         let mesh = self.own_mesh();
-        let area = |t: &[VertexId; 3]| mesh.area_vector(*t).norm();
-        let whole: f64 = mesh.triangles.iter().map(area).sum();
-        let cap = |ring: &Loop| 2.0 * boundary::area(mesh, ring).norm();
-        let share = |ring: &Loop| cap(ring) / whole.max(f64::MIN_POSITIVE);
+        let whole = mesh.area();
+        let filling =
+            |ring: &Loop| filling_area(&ring.iter().map(|&v| mesh.point(v)).collect::<Vec<_>>());
+        let share = |ring: &Loop| filling(ring) / whole.max(f64::MIN_POSITIVE);
         let mut shares: Vec<f64> = self.loops().iter().map(share).collect();
         shares.sort_by(|a, b| b.total_cmp(a));
         shares

@@ -17,11 +17,12 @@ use formats::Soup;
 use rayon::prelude::*;
 
 use super::edge_map::Buckets;
-use super::{EdgeMap, Mesh, caps, polygons, scale, spikes, weld};
+use super::{EdgeMap, Mesh, SeamWidth, caps, polygons, scale, seam, spikes, weld};
 use crate::error::{Error, Result, of};
 use crate::geometry::sets::Sets;
-use crate::geometry::{NONE, VertexId};
+use crate::geometry::{NONE, Point, ROUNDING, SAMPLE, VertexId, bounds};
 use crate::rules;
+use crate::statistics::quantile;
 
 /// The repairs that were made, as kind and count. A kind that did not occur is absent.
 pub type Repairs = BTreeMap<&'static str, usize>;
@@ -55,20 +56,40 @@ pub struct Build {
 /// those of the soup times a power of two, and [`Build::mm`] is the length of their unit.
 ///
 /// # Errors
-/// - [`Error::Empty`] if no triangle is left, or if the mesh is too small or too large in mm.
+/// - [`Error::Empty`] if no triangle is left, if the mesh is too small or too large in mm, or if a few points are so
+///   far away that the others are one.
 /// - [`Error::Option`] if the unit is not a length.
 /// - [`Error::Input`] if a polygon has a corner that is not among the points.
 pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
+    from_soup_joined(soup, mm, SeamWidth::Fixed(0.0))
+}
+
+/// The same with blocks joined along their common rims, whose points are no farther from each other than
+/// `width`.
+///
+/// # Errors
+/// Those of [`from_soup`].
+pub fn from_soup_joined(soup: &Soup, mm: f64, width: SeamWidth) -> Result<Build> {
     rules::length(mm).map_err(of("unit"))?;
     if soup.polygons.iter().flatten().any(|&corner| corner as usize >= soup.points.len()) {
         return Err(Error::Input("a polygon has a corner that is not among the points"));
     }
+    if !is_told_apart(soup) {
+        return Err(Error::Empty(
+            "a few points are so far away that numbers of their size do not tell the others apart"
+                .into(),
+        ));
+    }
     let mut repairs = Repairs::new();
     let factor = scale::to_size(soup, mm);
-    let welded = weld::weld(soup, mm, factor, &mut repairs);
+    let mut welded = weld::weld(soup, mm, factor, &mut repairs);
     let mut triangles = polygons::triangulate(soup, &welded, &mut repairs);
     drop_degenerate(&mut triangles, &mut repairs);
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
+    let width = (width, mm / factor);
+    if seam::join_rims(&welded.points, &mut triangles, &mut welded.number, width, &mut repairs) {
+        drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
+    }
     let place = (0..welded.points.len() as u32).collect();
     let mut build = Build::new(Mesh { points: welded.points, triangles }, place, mm / factor);
     build.unit = factor;
@@ -82,6 +103,7 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
         build.make_manifold();
     }
     build.drop_unused_vertices();
+    forget_joined(&mut build.repairs);
     if build.mesh.triangles.is_empty() {
         return Err(Error::Empty("every face is degenerate or has a non-finite vertex".into()));
     }
@@ -91,6 +113,36 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
         ));
     }
     Ok(build)
+}
+
+/// A mesh of which this share of the polygons is as small as the rounding of its largest numbers is no scan.
+const MOST_LOST: f64 = 0.1;
+
+/// Whether nearly all polygons with an extent are larger than the rounding of numbers as large as the mesh.
+fn is_told_apart(soup: &Soup) -> bool {
+    let step = soup.polygons.len().div_ceil(SAMPLE).max(1);
+    let at = |&v: &u32| Point::from(soup.points[v as usize]);
+    let used = soup.polygons.iter().step_by(step);
+    let extents = used.map(|corners| {
+        let [low, high] = bounds(corners.iter().map(at));
+        (high - low).amax()
+    });
+    let mut extents: Vec<f64> = extents.filter(|x| *x > 0.0 && x.is_finite()).collect();
+    let all = soup.polygons.iter().flatten().map(at);
+    let [low, high] = bounds(all.filter(|p| p.iter().all(|x| x.is_finite())));
+    let smallest = quantile(&mut extents, MOST_LOST);
+    smallest.is_none_or(|smallest| smallest > ROUNDING * (high - low).amax())
+}
+
+/// Takes the points that were joined with others off the count of those that no face uses.
+fn forget_joined(repairs: &mut Repairs) {
+    let joined = repairs.get("joined_rim_vertices").copied().unwrap_or(0);
+    if let Some(unused) = repairs.get_mut("unused_vertices") {
+        *unused = unused.saturating_sub(joined);
+        if *unused == 0 {
+            repairs.remove("unused_vertices");
+        }
+    }
 }
 
 /// Adds to the count of a repair.

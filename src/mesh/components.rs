@@ -43,9 +43,9 @@ impl Choice {
 /// The mesh of a scan, divided into its connected components.
 #[derive(Debug)]
 pub struct Components {
-    build: Build,
+    pub(super) build: Build,
     /// The triangles of each component in ascending order. The largest component comes first.
-    pieces: Vec<Vec<usize>>,
+    pub(super) pieces: Vec<Vec<usize>>,
     /// The components that have only one side.
     twisted: HashSet<usize>,
     /// The first corner of each component that is not dust, with the number of the component.
@@ -53,6 +53,8 @@ pub struct Components {
     dust: usize,
     /// What was measured, if the mesh was made of a cloud.
     raw: Option<RawPoints>,
+    /// Where the places are measured from in the scan's own frame, in mm, if the mesh was made of no cloud.
+    origin: [f64; 3],
     /// The longest loop of a handle that is cut, in mm, if one is named.
     handles: Option<f64>,
 }
@@ -90,7 +92,16 @@ impl Components {
         };
         let sizeable = &pieces[..pieces.len() - dust];
         let begins = RTree::bulk_load(sizeable.iter().enumerate().map(begin).collect());
-        Components { build, pieces, twisted, begins, dust, raw: None, handles: None }
+        Components {
+            build,
+            pieces,
+            twisted,
+            begins,
+            dust,
+            raw: None,
+            origin: [0.0; 3],
+            handles: None,
+        }
     }
 
     /// The same with the points that the mesh was made of. `unit` is the length in mm of the unit
@@ -99,6 +110,18 @@ impl Components {
     pub fn with_raw_points(self, raw: RawPoints, unit: f64) -> Self {
         let raw = Some(raw.scaled(unit / self.mm()));
         Components { raw, ..self }
+    }
+
+    /// The same, measured from this point of the scan's own frame, in mm.
+    #[must_use]
+    pub(crate) fn measured_from(self, origin: [f64; 3]) -> Self {
+        Components { origin, ..self }
+    }
+
+    /// Where places are measured from in the scan's own frame, in mm.
+    pub fn origin(&self) -> [f64; 3] {
+        let mm = self.mm();
+        self.raw.as_ref().map_or(self.origin, |raw| raw.origin().map(|x| mm * x))
     }
 
     /// The same with a named length in mm: handles whose loops are not longer are cut in the

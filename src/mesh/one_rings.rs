@@ -1,5 +1,6 @@
 //! A disk stored as the one-rings of its vertices, with half-edge collapses and vertex splits.
 
+use foldhash::{HashMap, HashSet};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
@@ -242,8 +243,28 @@ fn position(ring: &[u32], v: u32) -> usize {
     ring.iter().position(|&w| w == v).unwrap_or(0)
 }
 
+/// A ring with more sides is chained through a table. Searches in it take the square of their number.
+const MOST_SEARCHED: usize = 100;
+
+/// Chains the sides opposite to a vertex into its ring, as [`chained`] does, by a table of their ends.
+fn chained_by_table(sides: &[(u32, u32)]) -> OneRing {
+    let next: HashMap<u32, u32> = sides.iter().copied().collect();
+    let ends: HashSet<u32> = sides.iter().map(|side| side.1).collect();
+    let first = sides.iter().find(|side| !ends.contains(&side.0)).unwrap_or(&sides[0]).0;
+    let mut ring = OneRing::new();
+    let mut at = Some(first);
+    while let Some(v) = at.filter(|_| ring.len() <= sides.len()) {
+        ring.push(v);
+        at = next.get(&v).copied().filter(|&v| v != first);
+    }
+    ring
+}
+
 /// Chains the sides opposite to a vertex into its ring.
 fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> OneRing {
+    if sides.len() > MOST_SEARCHED {
+        return chained_by_table(&sides);
+    }
     let first = sides.iter().position(|s| sides.iter().all(|t| t.1 != s.0)).unwrap_or(0);
     if sides.is_empty() {
         return OneRing::new();
@@ -287,6 +308,17 @@ pub(crate) mod tests {
             islands: Vec::new(),
             stand_ins: None,
             mesh: Mesh { points: points.collect(), triangles },
+        }
+    }
+
+    #[test]
+    fn long_rings_are_the_same_by_a_table() {
+        let closed: SmallVec<[(u32, u32); 12]> =
+            (0..9).map(|k| (5 * k % 9, 5 * (k + 1) % 9)).collect();
+        for count in [9, 8] {
+            let mut sides: SmallVec<[(u32, u32); 12]> = closed[..count].into();
+            sides.reverse();
+            assert_eq!(chained_by_table(&sides), chained(sides.clone()), "{count}");
         }
     }
 

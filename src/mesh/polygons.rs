@@ -45,7 +45,7 @@ pub(super) fn triangulate(
 }
 
 /// Appends the triangles of one polygon. Returns `false` if the outline crosses itself.
-pub(super) fn cut_up(points: &[Point], polygon: &[u32], into: &mut Vec<[VertexId; 3]>) -> bool {
+pub(crate) fn cut_up(points: &[Point], polygon: &[u32], into: &mut Vec<[VertexId; 3]>) -> bool {
     let flat = flatten(points, polygon);
     let fan = |k| [0, k - 1, k];
     let (triangles, sound) = match is_convex(&flat) {

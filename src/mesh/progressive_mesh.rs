@@ -35,6 +35,11 @@ const MIN_PASS_SHARE: f64 = 0.01;
 /// The largest number of neighbours that the apex of a fan should have.
 const MAX_VALENCE: usize = 14;
 
+/// A vertex with more neighbours than this is collapsed once it has fewer, as the time of its collapse grows with the
+/// square of their number. Collapses around it do not wait for each other: only their own ring and that of their
+/// apex decide on them, and otherwise each would take a batch. No scan has such a vertex.
+const MOST_NEIGHBOURS: usize = 1000;
+
 impl ProgressiveMesh {
     /// The full mesh, without collapses.
     pub fn new(rings: OneRings) -> Self {
@@ -155,7 +160,12 @@ impl CollapsePass {
             if !self.is_free(v) {
                 continue;
             }
-            if collapse.ring.iter().any(|&w| self.locked[w as usize] == number) {
+            let apex = collapse.fan().0;
+            let is_changed = |&w: &u32| {
+                let is_near = w == apex || rings.ring(w).len() <= MOST_NEIGHBOURS;
+                is_near && self.locked[w as usize] == number
+            };
+            if collapse.ring.iter().any(is_changed) {
                 deferred.push(v);
                 continue;
             }
@@ -202,8 +212,11 @@ pub(crate) fn normal(points: &[Point], rings: &OneRings, v: u32) -> Vector {
 /// The collapse whose worst triangle is best. Collapses that leave no triangle upside down are
 /// preferred.
 fn best_collapse(points: &[Point], rings: &OneRings, v: u32) -> Option<HalfEdgeCollapse> {
-    let up = normal(points, rings, v);
     let n = rings.ring(v).len();
+    if n > MOST_NEIGHBOURS {
+        return None;
+    }
+    let up = normal(points, rings, v);
     let rate = |k: usize| (worst_of_fan(points, rings, v, k, up), k);
     let mut rated: Vec<(f64, usize)> = (0..n).map(rate).collect();
     rated.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));

@@ -13,18 +13,20 @@ mod local;
 mod outliers;
 mod patch;
 mod rounding;
+mod terraces;
 #[cfg(test)]
 mod tests;
 
 use rayon::prelude::*;
 
-use crate::geometry::VertexId;
+use crate::geometry::{Point, VertexId};
 use crate::mesh::{Mesh, VertexRings};
 use crate::statistics::MeanSquare;
 use estimate::Estimate;
 use local::LocalNoise;
 use patch::{NoisePatch, Scratch};
 use rounding::{Flatness, Rounding, flatness};
+pub(crate) use terraces::Terraces;
 
 /// The most patches that are fitted. The standard deviation of the estimate is then below 1 %.
 const MOST_PATCHES: usize = 4000;
@@ -39,6 +41,8 @@ pub(crate) struct NoiseField {
     pub is_visible: bool,
     /// The correlations of the noise of vertices that are one edge and two edges apart.
     pub correlation: [f64; 2],
+    /// The steps of heights that are given in steps.
+    pub terraces: Option<Terraces>,
     /// The standard deviation at each vertex; empty if it is the same everywhere.
     at: Vec<f32>,
 }
@@ -52,8 +56,15 @@ impl NoiseField {
             deviation,
             is_visible: false,
             correlation: [0.0; 2],
+            terraces: None,
             at: Vec::new(),
         };
+        if let Some(terraces) = Terraces::likely(mesh) {
+            let patches = patches(mesh, rings);
+            if terraces.is_rough(&patches) {
+                return Self::of_terraces(terraces, &patches, mesh.points.len());
+            }
+        }
         let flatness = flatness(mesh, rounding);
         if flatness == Flatness::Clean && rounding.is_sure() {
             return none(rounded);
@@ -73,7 +84,22 @@ impl NoiseField {
             let at = |p| (deviation * local.factor(p)) as f32;
             mesh.points.par_iter().map(|&p| at(p)).collect()
         });
-        NoiseField { deviation, is_visible: true, correlation: estimate.correlation(), at }
+        let correlation = estimate.correlation();
+        NoiseField { deviation, is_visible: true, correlation, terraces: None, at }
+    }
+
+    /// The noise of heights in steps: at least that of the steps. Where the sensor's own noise is larger, the steps do
+    /// not show, and it is the estimate.
+    fn of_terraces(terraces: Terraces, patches: &[NoisePatch], vertices: usize) -> Self {
+        let estimate = Estimate::new(patches, vertices);
+        let larger = estimate.filter(|found| found.deviation() > terraces.deviation());
+        NoiseField {
+            deviation: larger.as_ref().map_or(terraces.deviation(), Estimate::deviation),
+            is_visible: true,
+            correlation: larger.map_or([0.0; 2], |found| found.correlation()),
+            terraces: Some(terraces),
+            at: Vec::new(),
+        }
     }
 
     /// The standard deviation at a vertex.
@@ -81,12 +107,18 @@ impl NoiseField {
         self.at.get(v.index()).map_or(self.deviation, |&deviation| deviation.into())
     }
 
-    /// The variance of a fit around a vertex, of which independent points of variance 1 leave
+    /// The variance of a fit to points around a vertex, of which independent points of variance 1 leave
     /// `left`. Correlated points leave more, but no more than one of them has.
-    pub(crate) fn variance_of_fit(&self, v: VertexId, left: f64) -> f64 {
+    pub(crate) fn variance_of_fit(
+        &self,
+        v: VertexId,
+        left: f64,
+        points: impl Iterator<Item = Point>,
+    ) -> f64 {
         let [one, two] = self.correlation;
         let common = 1.0 + AROUND[0] * one + AROUND[1] * two;
-        self.at(v).powi(2) * if left <= 1.0 { (common * left).min(1.0) } else { left }
+        let own = self.at(v).powi(2) * if left <= 1.0 { (common * left).min(1.0) } else { left };
+        self.terraces.map_or(own, |terraces| own.max(terraces.variance(points)))
     }
 
     /// The distribution of the mean square of `count` points: one and its neighbours.

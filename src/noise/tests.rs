@@ -2,8 +2,8 @@
 
 use nalgebra::Rotation3;
 
-use super::NoiseField;
 use super::rounding::Rounding;
+use super::{NoiseField, Terraces};
 use crate::geometry::random::scattered;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Mesh, VertexRings};
@@ -202,4 +202,33 @@ fn outliers_are_found_and_edges_are_not() {
     let missed = thrown.iter().filter(|v| !found.contains(v));
     missed.for_each(|&v| assert!(from_edge(v) < 3.5, "{v} is missed"));
     assert!(found.len() > thrown.len() / 2);
+}
+
+/// A hilly sheet with heights in steps.
+fn stepped(step: f64) -> Mesh {
+    grid(60, 60, |i, j| {
+        let (x, y) = (i as f64, j as f64);
+        let z = 6.0 * (0.08 * x).sin() * (0.06 * y).cos() + 0.1 * y;
+        Point::new(x, y, step * (z / step).round())
+    })
+}
+
+#[test]
+fn heights_in_steps_are_found() {
+    for step in [2.0, 1.0, 0.25] {
+        let found = Terraces::of(&stepped(step)).expect("steps");
+        assert!((found.step - step).abs() < 1e-9, "{found:?}");
+    }
+    // Steps of a thousandth of what the heights differ by are the rounding of a file.
+    assert_eq!(Terraces::of(&stepped(1e-4)), None);
+}
+
+#[test]
+fn smooth_heights_on_a_lattice_are_no_steps() {
+    // Of x y on a grid, all heights are multiples of one step.
+    let saddle = grid(20, 20, |i, j| {
+        let (x, y) = (i as f64 - 10.0, j as f64 - 10.0);
+        Point::new(x, y, 0.02 * x * y)
+    });
+    assert_eq!(Terraces::of(&saddle), None);
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::Primitive;
 use super::primitive::cylindrical;
-use crate::geometry::{Point, Uv, Vector, plane_axes};
+use crate::geometry::{Point, Uv, Vector, plane_axes, range};
 
 /// The parameters that a patch covers: low and high of u and of v.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,15 +96,10 @@ impl Primitive {
         let is_plane = matches!(self, Primitive::Plane { .. });
         let is_torus = matches!(self, Primitive::Torus { .. });
         PatchRange {
-            u: if is_plane { plain(&us) } else { periodic(us) },
-            v: if is_torus { periodic(vs) } else { plain(&vs) },
+            u: if is_plane { range(us.into_iter()) } else { periodic(us) },
+            v: if is_torus { periodic(vs) } else { range(vs.into_iter()) },
         }
     }
-}
-
-fn plain(values: &[f64]) -> [f64; 2] {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    [low, values.iter().copied().fold(f64::NEG_INFINITY, f64::max)]
 }
 
 fn periodic(mut values: Vec<f64>) -> [f64; 2] {

@@ -47,6 +47,8 @@ pub struct CadFigures {
     pub loops: usize,
     /// Area of all the faces.
     pub area_mm2: f64,
+    /// Volume of all the solids, if there are any.
+    pub volume_mm3: Option<f64>,
     /// The lowest and the highest coordinates of the faces.
     pub bounds_mm: [[f64; 3]; 2],
     /// The farthest that an edge is from the surface of its face.
@@ -131,6 +133,7 @@ impl CheckFigures {
                 faces: found.faces,
                 loops: found.loops,
                 area_mm2: found.area,
+                volume_mm3: found.volume,
                 bounds_mm: found.face_bounds,
                 max_off_surface_mm: found.max_off_surface,
                 resolution_mm: found.resolution,

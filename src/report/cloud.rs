@@ -50,6 +50,8 @@ pub struct CloudMeshFigures {
     pub spacing_mm: f64,
     /// Standard deviation of the points' noise along the normal.
     pub noise_mm: f64,
+    /// The distance between two layers of points, as those of a thin wall, which are not joined.
+    pub layers_mm: Option<f64>,
     /// Points that were left out as outliers.
     pub outliers: usize,
     /// Points at the place of another one.
@@ -89,6 +91,7 @@ impl CloudMeshFigures {
             mesher: if let GridUse::Followed { .. } = report.grid { "grid" } else { "stars" },
             spacing_mm: mm * report.spacing,
             noise_mm: mm * report.noise,
+            layers_mm: report.layers.map(|distance| mm * distance),
             outliers: report.outliers,
             duplicates: report.duplicates,
         }

@@ -8,7 +8,7 @@ use crate::convert::ExactFit;
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::primitives::Primitive;
 use crate::stages::regions::{Snap, SnapKind};
-use crate::stages::seams::Fallback;
+use crate::stages::seams::{ClosedGap, Fallback, GapFill};
 use crate::words::grouped;
 
 /// What exact faces are, and what is not exact.
@@ -29,6 +29,8 @@ pub struct ExactFigures {
     pub snaps: Vec<SnapFigures>,
     /// Faces that were found, but became facets.
     pub facets: Vec<FacetFigures>,
+    /// Gaps of the mesh that were closed.
+    pub gaps: Vec<GapFigures>,
 }
 
 /// The parameters of a surface. Those that its kind does not have are `None`.
@@ -103,6 +105,26 @@ pub struct FacetFigures {
     pub why: String,
 }
 
+/// A gap of the mesh that was closed.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct GapFigures {
+    /// The number of the vertices of its rim.
+    pub rim_vertices: usize,
+    /// The length of its rim.
+    pub rim_length_mm: f64,
+    /// The number of vertices that were added.
+    pub added_vertices: usize,
+    /// The number of triangles that were added.
+    pub added_triangles: usize,
+    /// The middle of its rim.
+    pub at: [f64; 3],
+    /// What closes it: "extension" of the faces beside it, "plane" for planes through its rim, "bore" for a cylinder to
+    /// another rim, or "facets", all or some.
+    pub closed_by: &'static str,
+}
+
 impl ExactFigures {
     /// The figures of exact faces.
     pub fn of(fit: &ExactFit) -> Self {
@@ -114,6 +136,7 @@ impl ExactFigures {
             cylinders,
             snaps: fit.snaps.iter().map(|snap| SnapFigures::of(snap, fit.mm)).collect(),
             facets: fit.fallbacks.iter().map(FacetFigures::of).collect(),
+            gaps: fit.gaps.iter().map(GapFigures::of).collect(),
         }
     }
 
@@ -208,6 +231,24 @@ impl FacetFigures {
             triangles: *triangles,
             at: (*place).into(),
             why: why.clone(),
+        }
+    }
+}
+
+impl GapFigures {
+    fn of(gap: &ClosedGap) -> Self {
+        GapFigures {
+            rim_vertices: gap.rim_vertices,
+            rim_length_mm: gap.rim_length,
+            added_vertices: gap.added_vertices,
+            added_triangles: gap.added_triangles,
+            at: gap.place.into(),
+            closed_by: match gap.fill {
+                GapFill::Extension => "extension",
+                GapFill::Plane => "plane",
+                GapFill::Bore => "bore",
+                GapFill::Facets => "facets",
+            },
         }
     }
 }

@@ -69,6 +69,8 @@ pub struct SmoothFigures {
     pub corners: usize,
     /// Points that were left out of the fits.
     pub outliers: usize,
+    /// The step of which all heights of the scan along one axis are multiples, if there is one.
+    pub height_step_mm: Option<f64>,
 }
 
 /// What was filled.
@@ -295,6 +297,7 @@ impl SmoothFigures {
             moved_max_mm: report.moved_max,
             corners: report.corners.len(),
             outliers: report.outliers,
+            height_step_mm: report.height_step,
         }
     }
 }

@@ -21,7 +21,8 @@ pub(super) fn of(conversion: &Conversion, source: &ScanSource, settings: &Settin
             _ => format!("component {}: ", body.input.component),
         };
         let other = settings.faces.and_then(|wanted| other_faces(body, wanted));
-        let own = body.hints.iter().cloned().chain(left_out(settings, body)).chain(other);
+        let own = body.hints.iter().cloned().chain(left_out(settings, body)).chain(beside(body));
+        let own = own.chain(other);
         hints.extend(own.map(|hint| part.clone() + &hint));
     }
     hints
@@ -153,6 +154,21 @@ fn left_out(settings: &Settings, c: &Body) -> Option<String> {
         format!(
             "{:.0} % of the scan's triangles are in other pieces; --component all converts every one",
             100.0 * share
+        )
+    })
+}
+
+/// A hint about pieces that touch or overlap the one that was taken.
+fn beside(c: &Body) -> Option<String> {
+    let numbers: Vec<String> = c.input.beside.iter().map(usize::to_string).collect();
+    (!numbers.is_empty()).then(|| {
+        let (which, does) = match numbers.len() {
+            1 => ("component", "touches or overlaps this one and is"),
+            _ => ("components", "touch or overlap this one and are"),
+        };
+        format!(
+            "{which} {} {does} not joined: --remesh makes one surface of the points of all; --weld LEN joins rims that meet",
+            numbers.join(", ")
         )
     })
 }

@@ -16,7 +16,7 @@ use super::command::shell_words;
 use super::far_places::far_places;
 use super::scale::Ends;
 use super::{Report, ReportView, exact_rows, filters, scene};
-use crate::words::{box_extents, tolerance_reason};
+use crate::words::{box_extents, printable_lines, tolerance_reason};
 
 /// The page's program, in parts that share one function.
 const SCRIPT: &str = concat!(
@@ -41,7 +41,8 @@ impl Report {
         out: &mut dyn Write,
     ) -> io::Result<()> {
         let page = page(&self.name(), &self.to_value(), views, still);
-        out.write_all(page.map_err(io::Error::other)?.as_bytes())
+        // Names may hold anything. As in JSON, escapes are the same within the data of the page.
+        out.write_all(printable_lines(&page.map_err(io::Error::other)?).as_bytes())
     }
 }
 

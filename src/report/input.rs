@@ -23,6 +23,8 @@ pub struct ScanSource {
     pub vertices: usize,
     /// Triangles of the file. A polygon of n corners counts as n − 2.
     pub triangles: usize,
+    /// Where places are measured from in the scan's own frame, in mm.
+    pub origin_mm: [f64; 3],
     /// The cloud, if the file holds points without triangles.
     pub cloud: Option<CloudFigures>,
 }
@@ -33,9 +35,11 @@ impl ScanSource {
     /// counts as millimetres.
     pub fn of(file: impl Into<String>, soup: &Soup, options: &Options) -> Self {
         let declared = options.unit().or(soup.unit);
+        let mm = options.unit_of(soup.unit);
         ScanSource {
             file: file.into(),
             unit: declared.unwrap_or(LengthUnit::Millimetre),
+            origin_mm: soup.round_origin(mm).map(|x| mm * x),
             unit_assumed: declared.is_none(),
             vertices: soup.points.len(),
             triangles: soup.polygons.triangle_count(),
@@ -55,6 +59,7 @@ impl ScanSource {
             unit_assumed: declared.is_none() || by_custom,
             vertices: cloud.len(),
             triangles: 0,
+            origin_mm: cloud.origin.map(|x| unit.in_mm() * x),
             cloud: Some(CloudFigures::of(cloud, unit.in_mm())),
         }
     }
@@ -84,6 +89,10 @@ pub struct InputFigures {
     pub file_vertices: usize,
     /// Triangles of the file. A polygon of n corners counts as n − 2.
     pub file_triangles: usize,
+    /// Where all places are measured from in the mesh's own frame, if it is far from zero. That of a cloud is in
+    /// `cloud`.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub origin_mm: Option<[f64; 3]>,
     /// Points of the file, if it holds a cloud.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub points: Option<usize>,
@@ -142,6 +151,8 @@ impl InputFigures {
             units_assumed: source.unit_assumed,
             file_vertices: source.vertices,
             file_triangles: source.triangles,
+            origin_mm: Some(source.origin_mm)
+                .filter(|origin| source.cloud.is_none() && *origin != [0.0; 3]),
             points: source.cloud.as_ref().map(|cloud| cloud.points),
             mesher: source.cloud.as_ref().and_then(|cloud| Some(cloud.mesh.as_ref()?.mesher)),
             cloud: source.cloud.clone(),

@@ -4,13 +4,15 @@ use std::io::{self, Write};
 
 use serde_json::Value;
 
-use super::{CheckFigures, InspectionFigures, Report};
+use crate::words::printable_lines;
+
+use super::{AssemblyInspection, AssemblyReport, CheckFigures, InspectionFigures, Report};
 
 impl Report {
     /// The report as JSON, with a line feed at the end. `docs/report.schema.json` describes it.
     /// Keys are sorted; numbers that are not finite are `null`.
     pub fn to_json(&self) -> String {
-        format!("{:#}\n", self.to_value())
+        text(&self.to_value())
     }
 
     /// Writes the same text.
@@ -27,17 +29,34 @@ impl Report {
     }
 }
 
+impl AssemblyReport {
+    /// Writes the report as JSON, as [`Report::write_json`] does.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_json(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(text(&value(self)).as_bytes())
+    }
+}
+
+impl AssemblyInspection {
+    /// The figures as JSON, as `inspect --json` prints them.
+    pub fn to_json(&self) -> String {
+        text(&value(self))
+    }
+}
+
 impl InspectionFigures {
     /// The figures as JSON, as `inspect --json` prints them.
     pub fn to_json(&self) -> String {
-        format!("{:#}\n", value(self))
+        text(&value(self))
     }
 }
 
 impl CheckFigures {
     /// The figures as JSON, as `check --json` prints them.
     pub fn to_json(&self) -> String {
-        format!("{:#}\n", value(self))
+        text(&value(self))
     }
 }
 
@@ -45,4 +64,9 @@ impl CheckFigures {
 /// refused.
 fn value(report: &impl serde::Serialize) -> Value {
     serde_json::to_value(report).unwrap_or(Value::Null)
+}
+
+/// The text of a value. What JSON need not escape, but a terminal may obey, is escaped, too.
+fn text(value: &Value) -> String {
+    printable_lines(&format!("{value:#}\n")).into_owned()
 }

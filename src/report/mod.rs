@@ -14,6 +14,7 @@
 //!
 //! Lengths are millimetres, points are x, y, z. Each field has the name that the JSON has.
 
+mod assembly;
 mod check;
 mod cloud;
 mod exact;
@@ -61,9 +62,15 @@ mod plane;
 #[cfg(feature = "html")]
 mod scene;
 
+pub use assembly::{
+    AssemblyInspection, AssemblyReport, AssemblySource, InspectedPartFigures, PartFigures,
+    PlaceFigures,
+};
 pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures, MeasuredComponents};
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
-pub use exact::{CylinderFigures, ExactFigures, FacetFigures, SnapFigures, SurfaceFigures};
+pub use exact::{
+    CylinderFigures, ExactFigures, FacetFigures, GapFigures, SnapFigures, SurfaceFigures,
+};
 pub use figures::{
     BodyFigures, DeviationFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
     MapFigures, SmoothFigures, SurfaceFitFigures, ThinFigures, TrimFigures, TrimOf,

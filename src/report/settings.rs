@@ -4,9 +4,9 @@ use formats::{iges, step};
 
 use super::ScanSource;
 use super::figures::fit_method;
-use crate::convert::{Cut, Options, ScanPlace, SurfaceChoice, TargetShape};
+use crate::convert::{Cut, EdgeChoice, Options, ScanPlace, SurfaceChoice, TargetShape};
 use crate::geometry::Point;
-use crate::mesh::{Choice, Outer};
+use crate::mesh::{Choice, Outer, SeamWidth};
 use crate::stages::parameterize;
 use crate::stages::smooth::{Corners, Support};
 
@@ -57,6 +57,10 @@ pub struct Settings {
     pub max_net: usize,
     /// The longest loop of a handle that is cut, in mm.
     pub handles: Option<f64>,
+    /// The distance in mm at which points of rims are joined.
+    pub weld: Option<f64>,
+    /// Whether a mesh is taken by its points alone.
+    pub remesh: bool,
     /// Two corners of a box outside of which everything was left out, in the scan's numbers.
     pub r#box: Option<[[f64; 3]; 2]>,
     /// A plane below which everything was left out: a x + b y + c z > d in the scan's numbers.
@@ -67,6 +71,8 @@ pub struct Settings {
     pub surfaces: &'static str,
     /// Whether prisms of few sides stay flat.
     pub keep_polygons: bool,
+    /// Where exact faces end: "auto", "off" or an angle in degrees.
+    pub edges: Setting<f64>,
     /// About how many faces a solid gets.
     pub faces: Option<usize>,
     /// Holes with a rim shorter than this, in mm, stay filled.
@@ -145,11 +151,21 @@ impl Settings {
             above: options.cloud.crop.above,
             remove_plane: options.cloud.crop.without_plane,
             handles: options.handles,
+            remesh: options.remesh,
+            weld: match options.weld {
+                SeamWidth::Auto => None,
+                SeamWidth::Fixed(length) => Some(length),
+            },
             surfaces: match options.surfaces {
                 SurfaceChoice::Auto => "auto",
                 SurfaceChoice::Spline => "spline",
             },
             keep_polygons: options.keep_polygons,
+            edges: match options.edges {
+                EdgeChoice::Auto => Setting::Word("auto"),
+                EdgeChoice::Off => Setting::Word("off"),
+                EdgeChoice::Degrees(degrees) => Setting::Value(degrees),
+            },
             faces: options.faces,
             fill_only_holes_below: match options.cut {
                 Cut::FromLength(length) => Some(length),

@@ -1,5 +1,7 @@
 //! Tensor-product B-spline surfaces.
 
+use std::sync::Arc;
+
 use super::{Basis, KnotVector, fast_evaluator};
 use crate::geometry::{Point, Uv, Vector};
 
@@ -137,7 +139,7 @@ impl Surface {
 }
 
 /// The operations of a surface that foot points and deviations use.
-pub trait ParametricSurface: Sync {
+pub trait ParametricSurface: Send + Sync {
     /// The point and the first and second derivatives at `at`.
     fn jet(&self, at: Uv) -> Jet;
 
@@ -150,7 +152,7 @@ pub trait ParametricSurface: Sync {
     }
 
     /// The same surface in a form that is faster to evaluate, if there is one.
-    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
+    fn fast_form(&self) -> Option<Arc<dyn ParametricSurface>> {
         None
     }
 
@@ -179,11 +181,11 @@ impl ParametricSurface for Surface {
         [self.u.breaks(), self.v.breaks()]
     }
 
-    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
+    fn fast_form(&self) -> Option<Arc<dyn ParametricSurface>> {
         let is_cubic = |knots: &KnotVector| {
             knots.degree() == 3 && knots.breaks().len() + 2 == knots.functions()
         };
-        (is_cubic(&self.u) && is_cubic(&self.v)).then(|| fast_evaluator(self))
+        (is_cubic(&self.u) && is_cubic(&self.v)).then(|| fast_evaluator(self).into())
     }
 
     fn point(&self, at: Uv) -> Point {

@@ -34,6 +34,13 @@ pub fn opencascade_solid(file: &Path) -> Value {
     answer(command)
 }
 
+/// The tree of an assembly's file in OpenCASCADE without healing.
+pub fn opencascade_assembly(file: &Path) -> Value {
+    let mut command = opencascade_script("check_assembly_occ.py");
+    command.arg(file);
+    answer(command)
+}
+
 /// Makes meshes of random parts in a folder, and the truth about each.
 pub fn make_random_parts(folder: &Path, seeds: &[u32]) {
     run(&mut random_parts("make", folder, seeds));
@@ -75,6 +82,11 @@ pub fn freecad_operations(file: &Path) -> Option<Value> {
     let mut command = freecad_script("operate_freecad.py")?;
     command.arg(file);
     Some(answer(command))
+}
+
+/// Makes CAD files of each kind of surface, curve and placement in a folder, and the truth about each.
+pub fn make_kinds(folder: &Path) {
+    run(opencascade_script("make_kinds.py").arg(folder));
 }
 
 /// Lets OpenCASCADE read a file and write it to a folder again.

@@ -5,6 +5,7 @@
 
 mod body;
 pub mod importers;
+mod plate;
 #[cfg(feature = "cli")]
 mod program;
 pub mod random;
@@ -14,6 +15,7 @@ pub mod virtual_scan;
 use std::path::{Path, PathBuf};
 
 pub use body::*;
+pub use plate::plate;
 #[cfg(feature = "cli")]
 pub use program::*;
 use serde_json::Value;
@@ -37,6 +39,14 @@ pub fn arg(path: &Path) -> &str {
 pub fn json(path: &Path) -> Value {
     let text = std::fs::read_to_string(path).expect("the report was written");
     serde_json::from_str(&text).expect("the report is JSON")
+}
+
+/// Asserts that a report is as the schema has it.
+pub fn assert_schema(report: &Value) {
+    let schema = json(&root().join("docs/report.schema.json"));
+    let schema = jsonschema::draft202012::new(&schema).expect("the schema is one");
+    let faults: Vec<String> = schema.iter_errors(report).map(|e| e.to_string()).collect();
+    assert!(faults.is_empty(), "{faults:?} in {report:#}");
 }
 
 /// A file name that would be a program if it were not text.

@@ -8,7 +8,7 @@ use scan2step::mesh::{Choice, Outer};
 use scan2step::stages::fit;
 use scan2step::stages::parameterize::Outline;
 use scan2step::stages::smooth::{Corners, Support};
-use scan2step::{Cut, Options};
+use scan2step::{Builder, Cut, Options, SurfaceChoice};
 
 use crate::scan::Scan;
 
@@ -120,7 +120,7 @@ impl Choices {
             Smooth::Off => Support::Off,
             Smooth::Fixed(share) => Support::Fixed(size * share),
         };
-        let options = Options::builder()
+        let options = splines()
             .tolerance(self.tolerance.map(|share| size * share))
             .outliers(self.outliers)
             .smooth(smooth)
@@ -138,4 +138,9 @@ impl Choices {
             .outer(outer.map_or(Outer::Auto, |uv| Outer::Near(at(uv))));
         options.build().expect("each can be chosen")
     }
+}
+
+/// Options for B-spline faces: what is not damaged is a clean mesh, and would get exact ones.
+pub fn splines() -> Builder {
+    Options::builder().surfaces(SurfaceChoice::Spline)
 }

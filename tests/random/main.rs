@@ -71,9 +71,13 @@ fn hold<T: std::fmt::Debug>(
     assert!(share > least, "{} of {}", faces.get(), tried.get());
 }
 
+fn splines() -> Options {
+    choices::splines().build().expect("options")
+}
+
 #[test]
 fn sheets_with_damage_of_every_kind() {
-    let soup = |scan: &Scan| (scan.soup(), Options::default());
+    let soup = |scan: &Scan| (scan.soup(), splines());
     // All 70 scans become faces.
     hold(70, 0.95, scan::damaged(), Scan::is_whole, soup);
 }
@@ -97,9 +101,7 @@ fn meshes_of_a_few_triangles() {
 #[test]
 fn polygons_between_any_points() {
     let held = runner(250).run(&soups::polygons(), |soup| {
-        oracle::within_time(format!("{soup:?}"), || {
-            oracle::sound(&soup, &Options::default(), false)
-        })?;
+        oracle::within_time(format!("{soup:?}"), || oracle::sound(&soup, &splines(), false))?;
         Ok(())
     });
     held.unwrap_or_else(tell);

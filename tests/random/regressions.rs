@@ -6,6 +6,7 @@ use scan2step::mesh::Outer;
 use scan2step::stages::fit;
 use scan2step::stages::parameterize::Outline;
 
+use crate::choices::splines;
 use crate::common::virtual_scan::Star;
 use crate::oracle;
 use crate::scan::{Damage, Place, Scan, sound};
@@ -78,7 +79,7 @@ fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
     let place = Place { scale: 162_660.95923345088, away: 0.0, turned: 5.862291836800568 };
     let (mesh, shape) = (Mesh::Delaunay(394), Shape::Needle(8618.275363864932));
     let scan = Scan { mesh, shape, damage, place, seed: 4_849_664_821_253_270_522 };
-    becomes_a_face(&scan, &Options::default());
+    becomes_a_face(&scan, &splines().build().expect("options"));
 }
 
 /// A fill that was triangulated again in a plane had edges that the mesh already had, at the tips
@@ -114,6 +115,6 @@ fn a_needle_within_a_hair_ends() {
     let (mesh, shape) = (Mesh::Grid([10, 9], 0.1437380073184123), Shape::Needle(5976.0));
     let damage = Damage { holes, ..sound() };
     let scan = Scan { mesh, shape, damage, place, seed: 1_667_030_670_259_945_676 };
-    let options = Options::builder().tolerance(3e-4).max_net(2500);
+    let options = splines().tolerance(3e-4).max_net(2500);
     becomes_a_face(&scan, &options.build().expect("options"));
 }

@@ -22,5 +22,7 @@ fn main() -> io::Result<()> {
         fs::create_dir_all(&folder)?;
         fs::write(folder.join(name), content)?;
     }
-    Ok(())
+    let folder = corpus.join("threemf");
+    fs::create_dir_all(&folder)?;
+    fs::write(folder.join("parts.model"), seeds::MODEL)
 }

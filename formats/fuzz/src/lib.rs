@@ -18,6 +18,23 @@ pub fn check(name: &str, content: &[u8]) {
     assert!(peak <= (64 << 20) + 16 * content.len(), "takes {peak} bytes of memory");
 }
 
+/// Reads a 3MF file whose model is `content`. In a package its checksum would hide it from the search.
+///
+/// # Panics
+/// Those of [`check`].
+pub fn check_model(content: &[u8]) {
+    let relationships = seeds::RELATIONSHIPS.as_bytes();
+    let part = seeds::PART.as_bytes();
+    check(
+        "parts.3mf",
+        &seeds::zip(&[
+            ("_rels/.rels", relationships),
+            ("3D/3dmodel.model", content),
+            ("3D/b.model", part),
+        ]),
+    );
+}
+
 /// Reads `content` as the cloud of points `name`.
 ///
 /// # Panics

@@ -28,16 +28,7 @@ pub use frame::Frame;
 pub use surface::BrepSurface;
 pub use truck::Refusal;
 
-/// Declares a type for the number of an element in its list.
-macro_rules! number {
-    ($(#[$doc:meta] $name:ident)*) => {$(
-        #[$doc]
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-        pub struct $name(pub usize);
-    )*};
-}
-
-number! {
+crate::numbered::number! {
     /// The number of a vertex in [`Brep::vertices`].
     VertexId
     /// The number of an edge in [`Brep::edges`].

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::model::{CadCurve, CadSurface, CurveShape};
+use super::model::{CadCurve, CadSurface};
 
 /// The map x ↦ scale · (turn x + shift). `turn` preserves lengths but may mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,18 +36,35 @@ impl Affine {
         [0, 1, 2].map(|i| self.scale * dot(self.turn[i], d))
     }
 
+    /// The point whose image is `p`.
+    pub(crate) fn back(&self, p: [f64; 3]) -> [f64; 3] {
+        let from = [0, 1, 2].map(|i| p[i] / self.scale - self.shift[i]);
+        [0, 1, 2].map(|i| (0..3).map(|k| self.turn[k][i] * from[k]).sum())
+    }
+
+    /// The map whose columns are the axes of a coordinate system, and that takes the origin to `origin`.
+    pub(crate) fn to_axes(origin: [f64; 3], axes: [[f64; 3]; 3]) -> Self {
+        let turn = [0, 1, 2].map(|i| axes.map(|axis| axis[i]));
+        Affine { turn, shift: origin, scale: 1.0 }
+    }
+
+    /// The inverse map.
+    pub(crate) fn inverse(&self) -> Self {
+        let turn = [0, 1, 2].map(|i| [0, 1, 2].map(|k| self.turn[k][i]));
+        let shift = turn.map(|row| -self.scale * dot(row, self.shift));
+        Affine { turn, shift, scale: 1.0 / self.scale }
+    }
+
+    /// The composition: first `inner`, then this one.
+    pub(crate) fn compose(&self, inner: &Affine) -> Affine {
+        let turned = self.after(inner);
+        // scale · (turn (inner.scale (inner.turn x + inner.shift)) + shift)
+        let shift = [0, 1, 2].map(|i| dot(self.turn[i], inner.shift) + self.shift[i] / inner.scale);
+        Affine { shift, scale: self.scale * inner.scale, ..turned }
+    }
+
     pub(crate) fn curve(&self, curve: CadCurve<3>) -> CadCurve<3> {
-        let shape = match curve.shape {
-            CurveShape::Line { origin, direction } => {
-                CurveShape::Line { origin: self.point(origin), direction: self.vector(direction) }
-            }
-            CurveShape::Ellipse { centre, x, y } => CurveShape::Ellipse {
-                centre: self.point(centre),
-                x: self.vector(x),
-                y: self.vector(y),
-            },
-            CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(|p| self.point(p))),
-        };
+        let shape = curve.shape.mapped(|p| self.point(p), |d| self.vector(d));
         CadCurve { shape, range: curve.range }
     }
 
@@ -90,6 +107,9 @@ impl Affine {
                 base: Arc::new(self.surface(Arc::unwrap_or_clone(base))),
                 distance: distance * self.scale * self.side(),
             },
+            CadSurface::Part { base, u, v } => {
+                CadSurface::Part { base: Arc::new(self.surface(Arc::unwrap_or_clone(base))), u, v }
+            }
         }
     }
 

@@ -7,6 +7,7 @@
 
 use std::sync::Arc;
 
+use super::affine::Affine;
 use crate::spline::{SplineCurve, SplineSurface};
 
 /// The faces of a CAD file.
@@ -27,6 +28,8 @@ pub struct CadModel {
 pub struct CadShell {
     /// The numbers of its faces in [`CadModel::faces`].
     pub faces: Vec<usize>,
+    /// For each of its faces, whether the shell has the opposite normal.
+    pub inverted: Vec<bool>,
     /// Whether the file declares the shell as closed.
     pub closed: bool,
 }
@@ -49,8 +52,41 @@ pub struct CadFace {
     pub surface: Arc<CadSurface>,
     /// Whether the outer boundary is that of the surface, so that `loops` only cut holes.
     pub natural: bool,
+    /// Whether the normal of the face is that of its surface, which has the direction of Sᵤ × Sᵥ. The loops
+    /// have the face to their left about the normal of the face. `None` if the file does not tell, and then
+    /// the loops may run either way.
+    pub forward: Option<bool>,
     /// The loops, in any order.
     pub loops: Vec<Vec<CadEdge>>,
+    /// The places of the face in the model: one, or one for each use of its part in an assembly. The surface and the
+    /// loops are in the coordinates of the part.
+    pub places: Arc<[CadPlace]>,
+}
+
+/// The place of a part in the model: the coordinates of the part are turned, perhaps mirrored, shifted, and scaled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CadPlace(pub(crate) Affine);
+
+impl CadPlace {
+    /// The place of a part whose coordinates are those of the model.
+    pub fn same() -> Self {
+        CadPlace(Affine::scaling(1.0))
+    }
+
+    /// A point of the part in the coordinates of the model.
+    pub fn point(&self, p: [f64; 3]) -> [f64; 3] {
+        self.0.point(p)
+    }
+
+    /// A point of the model in the coordinates of the part.
+    pub fn back(&self, p: [f64; 3]) -> [f64; 3] {
+        self.0.back(p)
+    }
+
+    /// A length in the model divided by the same length in the part.
+    pub fn scale(&self) -> f64 {
+        self.0.scale
+    }
 }
 
 /// One use of an edge in a loop.
@@ -97,8 +133,52 @@ pub enum CurveShape<const D: usize> {
         /// The semi-axis at t = π/2.
         y: [f64; D],
     },
+    /// The branch of a hyperbola centre + cosh(t) x + sinh(t) y.
+    Hyperbola {
+        /// The centre.
+        centre: [f64; D],
+        /// The vector to the vertex.
+        x: [f64; D],
+        /// The derivative in t at the vertex.
+        y: [f64; D],
+    },
+    /// The parabola vertex + t² x + t y.
+    Parabola {
+        /// The point at t = 0.
+        vertex: [f64; D],
+        /// Half of the second derivative in t.
+        x: [f64; D],
+        /// The derivative in t at the vertex.
+        y: [f64; D],
+    },
     /// A B-spline curve. If the range is not given, it is that of its knots.
     Spline(SplineCurve<D>),
+}
+
+impl<const D: usize> CurveShape<D> {
+    /// The image of the curve under an affine map: `point` maps points, and `vector` maps differences of points.
+    #[must_use]
+    pub(crate) fn mapped<const E: usize>(
+        self,
+        point: impl Fn([f64; D]) -> [f64; E],
+        vector: impl Fn([f64; D]) -> [f64; E],
+    ) -> CurveShape<E> {
+        match self {
+            CurveShape::Line { origin, direction } => {
+                CurveShape::Line { origin: point(origin), direction: vector(direction) }
+            }
+            CurveShape::Ellipse { centre, x, y } => {
+                CurveShape::Ellipse { centre: point(centre), x: vector(x), y: vector(y) }
+            }
+            CurveShape::Hyperbola { centre, x, y } => {
+                CurveShape::Hyperbola { centre: point(centre), x: vector(x), y: vector(y) }
+            }
+            CurveShape::Parabola { vertex, x, y } => {
+                CurveShape::Parabola { vertex: point(vertex), x: vector(x), y: vector(y) }
+            }
+            CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(point)),
+        }
+    }
 }
 
 /// The kinds of surfaces.
@@ -191,5 +271,14 @@ pub enum CadSurface {
         base: Arc<CadSurface>,
         /// The distance in mm.
         distance: f64,
+    },
+    /// The part of a surface over a rectangle of its parameters.
+    Part {
+        /// The surface.
+        base: Arc<CadSurface>,
+        /// The range of u. It may be infinite.
+        u: (f64, f64),
+        /// The range of v. It may be infinite.
+        v: (f64, f64),
     },
 }

@@ -28,6 +28,22 @@ pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3
     }
 }
 
+/// The quaternions in accessor `index`. Integers stand for the range from -1 to 1.
+pub(super) fn rotations(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 4]>> {
+    match check(gear, index, Type::Vec4)?.1 {
+        ComponentType::F32 => items::<[f32; 4], _>(gear, index, |q| q.map(f64::from)),
+        ComponentType::I8 => {
+            let number = scaled::<i8>(true, i8::MAX.into());
+            items::<[i8; 4], _>(gear, index, |q| q.map(&number))
+        }
+        ComponentType::I16 => {
+            let number = scaled::<i16>(true, i16::MAX.into());
+            items::<[i16; 4], _>(gear, index, |q| q.map(&number))
+        }
+        _ => Err(bad(gear, index, "holds rotations of an unknown type")),
+    }
+}
+
 /// Converts a quantized coordinate. If it is `normalized`, `most` stands for 1.
 fn scaled<T: Into<f64>>(normalized: bool, most: f64) -> impl Fn(T) -> f64 {
     move |v| {
@@ -103,10 +119,7 @@ fn check<'a>(
     if let Some(view) = json.buffer_view {
         check_span(gear, index, view, ByteRange { offset, count: json.count.0, size })?;
     } else if json.sparse.is_none() {
-        return Err(match gear.compression {
-            Some(name) => super::compressed(gear.buffers.path, name),
-            None => bad(gear, index, "has no data"),
-        });
+        return Err(bad(gear, index, "has no data"));
     } else if json.count.0 > MOST_ZEROS {
         return Err(bad(gear, index, "has more than 250,000 items without data"));
     }
@@ -135,13 +148,7 @@ fn check_span<'a>(
     let Some(json) = root.buffer_views.get(view.value()) else {
         return Err(bad(gear, index, "is in a buffer view that does not exist"));
     };
-    let length = gear.buffers.load(json.buffer.value(), gear.compression)?;
-    let start = json.byte_offset.unwrap_or_default().0;
-    if start.checked_add(json.byte_length.0).is_none_or(|end| end > length) {
-        let error =
-            Error::new(gear.buffers.path, "has a buffer view beyond its buffer", EXPORT_AGAIN);
-        return Err(error.at(Location::Element("bufferView", view.value() as u64)));
-    }
+    check_view(gear, view.value(), json)?;
     let stride = json.byte_stride.map_or(0, |s| s.0 as u64);
     // A stride of zero means none. The crate does the same.
     let stride = if stride == 0 { span.size } else { stride };
@@ -154,6 +161,28 @@ fn check_span<'a>(
         return Err(bad(gear, index, "reaches beyond its buffer view"));
     }
     Ok((json, stride))
+}
+
+/// Checks that buffer view `index` is in its buffer, and loads the buffer. Returns where the view begins.
+fn check_view(gear: &mut Gear<'_>, index: usize, json: &View) -> Result<u64> {
+    let length = gear.buffers.load(json.buffer.value())?;
+    let start = json.byte_offset.unwrap_or_default().0;
+    if start.checked_add(json.byte_length.0).is_none_or(|end| end > length) {
+        let error =
+            Error::new(gear.buffers.path, "has a buffer view beyond its buffer", EXPORT_AGAIN);
+        return Err(error.at(Location::Element("bufferView", index as u64)));
+    }
+    Ok(start)
+}
+
+/// The bytes of buffer view `index`.
+pub(super) fn view(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u8>> {
+    let Some(json) = gear.document.as_json().buffer_views.get(index) else {
+        return Err(super::scene::bad(gear, "bufferView", index, "does not exist"));
+    };
+    let start = check_view(gear, index, json)? as usize;
+    let bytes = gear.buffers.get(json.buffer.value()).unwrap_or_default();
+    Ok(bytes.get(start..start + json.byte_length.0 as usize).unwrap_or_default().to_vec())
 }
 
 /// Checks the replacements of a sparse accessor of `total` items. The crate would ignore those out

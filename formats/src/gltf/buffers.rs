@@ -12,6 +12,8 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
+use super::extras::PackedView;
+use crate::scene::budget;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
 use crate::{Error, Location, Result};
@@ -29,10 +31,14 @@ pub(super) struct Buffers<'a> {
     loaded: Vec<Option<Loaded>>,
     /// The contents of files. Many buffers may refer to one file, but its content is stored once.
     files: BTreeMap<PathBuf, Rc<Vec<u8>>>,
+    /// The buffers that are packed in others.
+    packed: BTreeMap<usize, PackedView>,
     /// The binary chunk of a GLB. It is buffer 0, unless that has a URI.
     blob: Option<Vec<u8>>,
     /// The number of bytes that are loaded.
     pub(super) bytes: u64,
+    /// The number of bytes that were unpacked from them.
+    unpacked: u64,
 }
 
 /// A loaded buffer: the first `length` of some bytes. The chunk of a GLB is padded, and no accessor
@@ -43,11 +49,26 @@ struct Loaded {
 }
 
 impl<'a> Buffers<'a> {
-    pub(super) fn new(source: &'a Source, json: &'a [json::Buffer], blob: Option<Vec<u8>>) -> Self {
+    pub(super) fn new(
+        source: &'a Source,
+        json: &'a [json::Buffer],
+        blob: Option<Vec<u8>>,
+        packed: BTreeMap<usize, PackedView>,
+    ) -> Self {
         let loaded = json.iter().map(|_| None).collect();
         let folder = source.folder.as_deref();
         let files = BTreeMap::new();
-        Buffers { path: &source.path, folder, declared: json, loaded, files, blob, bytes: 0 }
+        Buffers {
+            path: &source.path,
+            folder,
+            declared: json,
+            loaded,
+            files,
+            packed,
+            blob,
+            bytes: 0,
+            unpacked: 0,
+        }
     }
 
     /// The content of a buffer. `None` if it has not been loaded.
@@ -57,20 +78,20 @@ impl<'a> Buffers<'a> {
     }
 
     /// Loads a buffer and returns its length.
-    pub(super) fn load(&mut self, index: usize, compression: Option<&str>) -> Result<u64> {
+    pub(super) fn load(&mut self, index: usize) -> Result<u64> {
         if let Some(bytes) = self.get(index) {
             return Ok(bytes.len() as u64);
         }
         let Some(json) = self.declared.get(index) else {
             return Err(self.error(index, "does not exist", EXPORT_AGAIN));
         };
-        let bytes = match (&json.uri, compression) {
+        let bytes = match (&json.uri, self.packed.get(&index).cloned()) {
+            (_, Some(packed)) => self.unpack(index, &packed)?,
             (Some(uri), _) => self.fetch(index, uri, json.byte_length.0)?,
             (None, _) if index == 0 && self.blob.is_some() => {
                 let blob = self.blob.take().unwrap_or_default();
                 self.hold(blob)
             }
-            (None, Some(name)) => return Err(super::compressed(self.path, name)),
             (None, None) => return Err(self.error(index, "has no data", EXPORT_AGAIN)),
         };
         let length = json.byte_length.0;
@@ -80,6 +101,30 @@ impl<'a> Buffers<'a> {
         }
         self.loaded[index] = Some(Loaded { bytes, length: length as usize });
         Ok(length)
+    }
+
+    /// The bytes of a buffer that is packed in another one.
+    fn unpack(&mut self, index: usize, packed: &PackedView) -> Result<Rc<Vec<u8>>> {
+        let unsound = |buffers: &Self, why: &str| {
+            let what = format!("cannot be unpacked ({}): {why}", packed.mode);
+            buffers.error(index, &what, EXPORT_AGAIN)
+        };
+        if self.packed.contains_key(&packed.buffer) {
+            return Err(unsound(self, "it is packed in itself"));
+        }
+        self.load(packed.buffer)?;
+        // All of it counts as read, so that many views of the same bytes cannot fill the memory.
+        let room = budget(self.bytes).saturating_sub(self.unpacked);
+        let length = packed.length().filter(|&length| length <= room);
+        let Some(length) = length else { return Err(unsound(self, "it would be too large")) };
+        let bytes = self.get(packed.buffer).unwrap_or_default();
+        let start = usize::try_from(packed.byte_offset).unwrap_or(usize::MAX);
+        let end = usize::try_from(packed.byte_length).ok().and_then(|n| start.checked_add(n));
+        let bytes = end.and_then(|end| bytes.get(start..end));
+        let Some(bytes) = bytes else { return Err(unsound(self, "it is beyond its buffer")) };
+        let unpacked = packed.unpack(bytes).map_err(|why| unsound(self, &why))?;
+        self.unpacked += length;
+        Ok(Rc::new(unpacked))
     }
 
     fn hold(&mut self, bytes: Vec<u8>) -> Rc<Vec<u8>> {

@@ -4,37 +4,38 @@ use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked::Valid;
 
 use super::scene::bad;
-use super::transform::NodeTransform;
-use super::{Gear, accessor};
+use super::{Gear, accessor, draco};
 use crate::limits::check_room;
+use crate::scene::{self, soup_bytes};
 use crate::source::EXPORT_AGAIN;
 use crate::words::plural;
 use crate::{Error, Location, Result, Soup};
 
-/// The number of bytes that the soup may always have. More bytes are allowed only in proportion to
-/// the size of the file, because a small file can contain many instances of one mesh.
-const FREE: u64 = 24 << 20;
-const PER_BYTE: u64 = 16;
-
-/// Appends the triangles of `primitive`, which belongs to mesh `mesh`, transformed by `place`.
-/// Primitives of points and lines are skipped.
+/// Appends the triangles of the primitive with number `place.1` of mesh `place.0`. Primitives of points and lines are
+/// skipped.
 pub(super) fn read(
     gear: &mut Gear<'_>,
-    mesh: usize,
+    place: (usize, usize),
     primitive: &Primitive,
-    place: &NodeTransform,
     soup: &mut Soup,
 ) -> Result<()> {
-    let Some(IndexedTriangles { mode, corners, points }) = load(gear, mesh, primitive)? else {
+    if let Some(data) =
+        gear.extras.draco.get(&place).cloned().filter(|_| is_of_triangles(primitive))
+    {
+        let positions = primitive.attributes.get(&Valid(Semantic::Positions));
+        let accessors = &gear.document.as_json().accessors;
+        let accessor = positions.and_then(|positions| accessors.get(positions.value()));
+        let normalized = accessor.is_some_and(|accessor| accessor.normalized);
+        return draco::read(gear, place.0, &data, normalized, soup);
+    }
+    let Some(IndexedTriangles { mode, corners, points }) = load(gear, place.0, primitive)? else {
         return Ok(());
     };
     check_budget(gear, soup, points.len(), corners.triangles(mode))?;
     let first = soup.points.len() as u32;
-    soup.points.extend(points.into_iter().map(|point| place.apply(point)));
-    let flip = place.mirrors();
+    soup.points.extend(points);
     for i in 0..corners.triangles(mode) {
-        let [a, b, c] = mode_corners(mode, i).map(|at| first + corners.get(at));
-        soup.polygons.push(if flip { [a, c, b] } else { [a, b, c] });
+        soup.polygons.push(mode_corners(mode, i).map(|at| first + corners.get(at)));
     }
     Ok(())
 }
@@ -42,7 +43,7 @@ pub(super) fn read(
 /// Checks `primitive` as `read` does, and returns the number of bytes that it would take.
 pub(super) fn size(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<u64> {
     if let Some(IndexedTriangles { mode, corners, points }) = load(gear, mesh, primitive)? {
-        return Ok(bytes(points.len() as u64, corners.triangles(mode) as u64));
+        return Ok(soup_bytes(points.len() as u64, corners.triangles(mode) as u64));
     }
     // The indices must exist for every type of primitive.
     let indices = primitive.indices.map(|at| accessor::indices(gear, at.value()));
@@ -74,10 +75,7 @@ fn load(
     }
     let Some(positions) = primitive.attributes.get(&Valid(Semantic::Positions)) else {
         // The specification allows this only for extensions.
-        return match gear.compression {
-            Some(name) => Err(super::compressed(gear.buffers.path, name)),
-            None => Ok(None),
-        };
+        return Ok(None);
     };
     let positions = positions.value();
     let listed = match primitive.indices {
@@ -140,24 +138,29 @@ impl CornerIndices {
     }
 }
 
-/// The number of bytes that points and triangles take in a soup.
-fn bytes(points: u64, triangles: u64) -> u64 {
-    24 * points + 16 * triangles
-}
-
-/// The number of bytes that the soup may have.
+/// The number of bytes that the soups of all meshes may have.
 pub(super) fn budget(gear: &Gear<'_>) -> u64 {
-    FREE.max(PER_BYTE * gear.buffers.bytes)
+    scene::budget(gear.buffers.bytes)
 }
 
-fn check_budget(gear: &Gear<'_>, soup: &Soup, points: usize, triangles: usize) -> Result<()> {
+/// The number of bytes that they may still have.
+pub(super) fn room(gear: &Gear<'_>) -> u64 {
+    budget(gear).saturating_sub(gear.taken)
+}
+
+/// Checks that a soup may have so many more points and triangles, and takes their room.
+pub(super) fn check_budget(
+    gear: &mut Gear<'_>,
+    soup: &Soup,
+    points: usize,
+    triangles: usize,
+) -> Result<()> {
     let (points, triangles) = (points as u64, triangles as u64);
     check_room(gear.buffers.path, soup, points, 3 * triangles)?;
-    let points = soup.points.len() as u64 + points;
-    let triangles = soup.polygons.len() as u64 + triangles;
-    if bytes(points, triangles) <= budget(gear) {
+    gear.taken = gear.taken.saturating_add(soup_bytes(points, triangles));
+    if gear.taken <= budget(gear) {
         return Ok(());
     }
-    let help = "Its nodes repeat their meshes excessively: export the scan alone.";
+    let help = "Its meshes repeat their data excessively: export the scan alone.";
     Err(Error::new(gear.buffers.path, "expands to far more than it holds", help))
 }

@@ -10,6 +10,7 @@ use ::gltf::json::{self, Root, deserialize};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
+use super::extras::Extras;
 use super::glb::is_glb;
 use super::wrong_version;
 use crate::source::{EXPORT_AGAIN, Source};
@@ -17,24 +18,26 @@ use crate::{Error, Result};
 
 /// The largest number of JSON objects. An object takes at least two bytes in the file (`{}`), and a
 /// node takes 300 bytes in memory.
-const MOST_OBJECTS: usize = 1 << 17;
+pub(super) const MOST_OBJECTS: usize = 1 << 17;
 
 /// The root nodes of each scene.
 pub(super) type Scenes = Vec<Vec<u64>>;
 
 /// The parts of the JSON that this module examines. They are not copied.
 #[derive(Deserialize)]
-struct JsonParts<'a> {
+pub(super) struct JsonParts<'a> {
     #[serde(borrow)]
     asset: Option<&'a RawValue>,
     scenes: Option<&'a RawValue>,
-    nodes: Option<&'a RawValue>,
-    meshes: Option<&'a RawValue>,
+    pub(super) nodes: Option<&'a RawValue>,
+    pub(super) meshes: Option<&'a RawValue>,
+    #[serde(rename = "bufferViews")]
+    pub(super) buffer_views: Option<&'a RawValue>,
     accessors: Option<&'a RawValue>,
     animations: Option<&'a RawValue>,
     cameras: Option<&'a RawValue>,
     images: Option<&'a RawValue>,
-    materials: Option<&'a RawValue>,
+    pub(super) materials: Option<&'a RawValue>,
     samplers: Option<&'a RawValue>,
     skins: Option<&'a RawValue>,
     textures: Option<&'a RawValue>,
@@ -46,13 +49,13 @@ struct Asset {
 }
 
 #[derive(Deserialize)]
-struct Scene {
+struct JsonScene {
     #[serde(default)]
     nodes: Vec<u64>,
 }
 
 /// Parses `text`. The scenes are returned separately and are not in the root.
-pub(super) fn parse(source: &Source, mut text: Vec<u8>) -> Result<(Root, Scenes)> {
+pub(super) fn parse(source: &Source, mut text: Vec<u8>) -> Result<(Root, Scenes, Extras)> {
     if text.starts_with(b"\xef\xbb\xbf") {
         text[..3].fill(b' ');
     }
@@ -61,7 +64,7 @@ pub(super) fn parse(source: &Source, mut text: Vec<u8>) -> Result<(Root, Scenes)
                     \u{201c}{\u{201d}";
         return Err(unsound(source, what));
     }
-    let scenes = prepare(source, &mut text)?;
+    let (scenes, extras) = prepare(source, &mut text)?;
     if objects(&text) > MOST_OBJECTS {
         let what = format!("has a scene of more than {MOST_OBJECTS} objects");
         return Err(source.error(what, "Export the scan alone, as one mesh."));
@@ -72,19 +75,28 @@ pub(super) fn parse(source: &Source, mut text: Vec<u8>) -> Result<(Root, Scenes)
         let nodes = |scene: &json::Scene| scene.nodes.iter().map(|n| n.value() as u64).collect();
         root.scenes.iter().map(nodes).collect()
     });
-    Ok((root, scenes))
+    Ok((root, scenes, extras))
 }
 
 /// An upper bound on the number of objects. A brace in a name counts, too, which does no harm.
-fn objects(text: &[u8]) -> usize {
+pub(super) fn objects(text: &[u8]) -> usize {
     text.iter().filter(|&&byte| byte == b'{').count()
 }
 
 /// Removes the parts that the crate does not need. `None` if the JSON cannot be parsed. Then the
 /// crate reports the error.
-fn prepare(source: &Source, text: &mut [u8]) -> Result<Option<Scenes>> {
-    let Ok(parts) = serde_json::from_slice::<JsonParts>(text) else { return Ok(None) };
+fn prepare(source: &Source, text: &mut [u8]) -> Result<(Option<Scenes>, Extras)> {
+    let Ok(parts) = serde_json::from_slice::<JsonParts>(text) else {
+        return Ok((None, Extras::default()));
+    };
     check_asset(source, &parts)?;
+    let lists = [parts.nodes, parts.meshes, parts.buffer_views];
+    let count = |list: &RawValue| objects(list.get().as_bytes());
+    let extras = match lists.into_iter().flatten().map(count).sum::<usize>() <= MOST_OBJECTS {
+        true => Extras::read(&parts).map_err(|e| unsound(source, e))?,
+        // The caller refuses so many.
+        false => Extras::default(),
+    };
     let scenes = parts.scenes.map_or(Some(Vec::new()), read_scenes);
     let unneeded = [
         parts.animations,
@@ -100,14 +112,14 @@ fn prepare(source: &Source, text: &mut [u8]) -> Result<Option<Scenes>> {
     for span in spans.into_iter().flatten() {
         empty(&mut text[span]);
     }
-    Ok(scenes)
+    Ok((scenes, extras))
 }
 
 fn read_scenes(part: &RawValue) -> Option<Scenes> {
     if objects(part.get().as_bytes()) > MOST_OBJECTS {
         return None;
     }
-    let scenes: Vec<Scene> = serde_json::from_str(part.get()).ok()?;
+    let scenes: Vec<JsonScene> = serde_json::from_str(part.get()).ok()?;
     Some(scenes.into_iter().map(|scene| scene.nodes).collect())
 }
 

@@ -10,7 +10,17 @@ const MAX_STATEMENT: usize = 64 << 20;
 pub(super) enum Statement<'a> {
     Vertex(&'a [u8]),
     Face(&'a [u8]),
-    /// A statement that does not define the mesh. Only such statements may contain non-ASCII text.
+    Comment(&'a [u8]),
+    /// `o`: the following faces are an object of this name.
+    Object(&'a [u8]),
+    /// `g`: the following faces are in the groups of these names.
+    Group(&'a [u8]),
+    /// `usemtl`: the following faces have this material.
+    Material(&'a [u8]),
+    /// `mtllib`: materials are in these files.
+    Library(&'a [u8]),
+    /// A statement that defines neither the mesh nor its groups. Such statements, comments and names may contain
+    /// non-ASCII text.
     Other,
 }
 
@@ -40,7 +50,7 @@ impl Statements {
     pub(super) fn advance(&mut self) -> Result<bool> {
         let more = self.source.next_text_line(&mut self.text)?;
         let Some(mut end) = continued(&self.text) else { return Ok(more) };
-        if matches!(self.current(), Statement::Other) {
+        if !matches!(self.current(), Statement::Vertex(_) | Statement::Face(_)) {
             return Ok(more);
         }
         let mut line = Vec::new();
@@ -67,6 +77,11 @@ fn statement(text: &[u8]) -> Statement<'_> {
         [b'v', rest @ ..] if ends(rest) => Statement::Vertex(rest),
         // `fo` was the keyword of a face before version 3.0.
         [b'f', b'o', rest @ ..] | [b'f', rest @ ..] if ends(rest) => Statement::Face(rest),
+        [b'#', rest @ ..] => Statement::Comment(rest),
+        [b'o', rest @ ..] if ends(rest) => Statement::Object(rest),
+        [b'g', rest @ ..] if ends(rest) => Statement::Group(rest),
+        [b'u', b's', b'e', b'm', b't', b'l', rest @ ..] if ends(rest) => Statement::Material(rest),
+        [b'm', b't', b'l', b'l', b'i', b'b', rest @ ..] if ends(rest) => Statement::Library(rest),
         _ => Statement::Other,
     }
 }

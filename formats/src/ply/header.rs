@@ -4,7 +4,8 @@ use ply_rs::ply::{ElementDef, Encoding, PropertyDef, PropertyType, ScalarType};
 
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
-use crate::{Error, Result};
+use crate::unit_comment::UnitComments;
+use crate::{Error, LengthUnit, Result};
 
 /// The largest number of lines of a header. It is far above that of real headers, and it bounds the
 /// cost of a hostile one.
@@ -15,11 +16,19 @@ const MAX_LINE: usize = 1 << 16;
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// What its comments say about the unit.
+    pub(super) unit: Option<(LengthUnit, String)>,
     /// The numbers of `obj_info` lines such as `num_cols 512`.
     infos: Vec<(String, u64)>,
 }
 
 impl Header {
+    /// Whether the vertices are those of a compressed Gaussian splat, as SuperSplat writes it.
+    pub(super) fn is_packed_splat(&self) -> bool {
+        let vertices = self.elements.iter().find(|e| e.name == "vertex");
+        vertices.is_some_and(|e| e.property("packed_position").is_some())
+    }
+
     /// The number of the `obj_info` line called `name`.
     pub(super) fn info(&self, name: &str) -> Option<u64> {
         self.infos.iter().find(|(n, _)| n == name).map(|&(_, number)| number)
@@ -93,14 +102,19 @@ pub(super) fn read(source: &mut Source) -> Result<Header> {
     let mut encoding = None;
     let mut elements = Vec::new();
     let mut infos = Vec::new();
+    let mut comments = UnitComments::default();
     let mut line = Vec::new();
     while next_line(source, &mut line)? {
         // Only comments may contain non-ASCII text, and they are skipped.
         let text = String::from_utf8_lossy(&line);
         let mut words = text.split_ascii_whitespace();
         match words.next() {
-            None | Some("comment") => {}
-            Some("obj_info") => infos.extend(info(words)),
+            None => {}
+            Some("comment") => comments.read(&line),
+            Some("obj_info") => {
+                comments.read(&line);
+                infos.extend(info(words));
+            }
             Some("ply") if source.line == 1 => {}
             Some("format") if encoding.is_none() => {
                 encoding = Some(format(source, words.next())?);
@@ -109,7 +123,7 @@ pub(super) fn read(source: &mut Source) -> Result<Header> {
             Some("property") => property(source, words, elements.last_mut())?,
             Some("end_header") => {
                 let encoding = encoding.ok_or_else(|| bad(source, "no format line"))?;
-                return Ok(Header { encoding, elements, infos });
+                return Ok(Header { encoding, elements, unit: comments.unit(), infos });
             }
             Some(_) => {
                 let what = format!("the unknown header line \u{201c}{}\u{201d}", excerpt(&line));

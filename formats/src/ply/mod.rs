@@ -19,6 +19,7 @@ use self::header::{Element, Header};
 use self::rows::{CHANNELS, Ignored, Position, VertexNumbers};
 use crate::limits::check_room;
 use crate::points::Content;
+use crate::read;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::words::plural;
 use crate::{Error, Location, Result, Soup};
@@ -47,6 +48,10 @@ pub(crate) fn read_content(source: Source) -> Result<Content> {
 
 fn open(mut source: Source) -> Result<(Header, PlyBody)> {
     let header = header::read(&mut source)?;
+    if header.is_packed_splat() {
+        let what = "is a compressed Gaussian splat, whose points are packed";
+        return Err(Error::new(&source.path, what, read::UNPACK_SPLAT));
+    }
     let encoding = header.encoding;
     Ok((header, PlyBody { source, encoding, ascii: AsciiRows::default() }))
 }
@@ -63,6 +68,7 @@ fn read_mesh(mut body: PlyBody, header: &Header) -> Result<Soup> {
     }
     check_end(&mut body)?;
     check_indices(&body, header, &soup)?;
+    (soup.unit, soup.unit_comment) = header.unit.clone().unzip();
     Ok(soup)
 }
 

@@ -44,6 +44,10 @@ pub(super) fn read(mut body: PlyBody, header: &Header) -> Result<Points> {
     if has_grid && grid.is_none() {
         builder.cloud().notes.push(Note::GridIgnored);
     }
+    if let Some((unit, comment)) = &header.unit {
+        builder.cloud().unit = Some(*unit);
+        builder.cloud().notes.push(Note::UnitByComment { comment: comment.clone() });
+    }
     builder.end_scan(ScanEnd { grid, ..ScanEnd::default() })?;
     builder.finish()
 }

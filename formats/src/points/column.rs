@@ -60,7 +60,7 @@ impl Lost {
                 Column::Other if self.columns.len() < MOST_NAMES => {
                     self.columns.push(crate::token::excerpt(name.as_bytes()));
                 }
-                Column::Other => {}
+                Column::Other => self.more_columns += 1,
             }
         }
     }

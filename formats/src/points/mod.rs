@@ -8,8 +8,11 @@
 
 mod builder;
 mod column;
+mod columns;
 mod e57;
+mod grid;
 mod las;
+mod of_mesh;
 mod options;
 mod pcd;
 mod ptx;
@@ -22,8 +25,9 @@ use std::ops::Range;
 
 pub(crate) use builder::{GridShape, LeftOut, Order, PointsBuilder, ScanEnd};
 pub(crate) use column::Column;
+pub use columns::Columns;
 pub use options::ReadOptions;
-pub use read::{Content, PointFormat, read_content, read_points, read_points_from};
+pub use read::{Content, PointFormat, SceneContent, read_content, read_points, read_points_from};
 
 use crate::LengthUnit;
 use crate::words::{grouped, plural};
@@ -166,6 +170,8 @@ pub struct Lost {
     pub intensities: u64,
     /// The names of the other columns, in the file's order. At most 100 are told.
     pub columns: Vec<String>,
+    /// The number of the other columns whose names are not told.
+    pub more_columns: u64,
 }
 
 /// Something about a file that its reader decided, and that the user should know.
@@ -174,8 +180,18 @@ pub struct Lost {
 pub enum Note {
     /// The format or the file names no unit, but its programs write metres.
     MetresByCustom,
+    /// Only a comment of the file names its unit.
+    UnitByComment {
+        /// What it says.
+        comment: String,
+    },
     /// The numbers have decimal commas.
     DecimalCommas,
+    /// The first columns of a text file number the points. They are not used.
+    PointNumbers {
+        /// One if it counts up, two for the row and the column of a raster.
+        columns: usize,
+    },
     /// A PTS, XYZ or LAS file announces another number of points than it has.
     CountDiffers {
         /// The number that the file announces.
@@ -198,6 +214,15 @@ impl fmt::Display for Note {
         match self {
             Note::MetresByCustom => {
                 f.write_str("the file names no unit; programs usually write metres here")
+            }
+            Note::PointNumbers { columns: 1 } => {
+                f.write_str("the first column numbers the points; unless columns are named, it is not used")
+            }
+            Note::PointNumbers { .. } => f.write_str(
+                "the first two columns number the points in a raster; unless columns are named, they are not used",
+            ),
+            Note::UnitByComment { comment } => {
+                write!(f, "the unit is that of the comment \u{201c}{comment}\u{201d}")
             }
             Note::DecimalCommas => f.write_str("the numbers were read with decimal commas"),
             Note::CountDiffers { announced, found } => {

@@ -3,8 +3,8 @@
 use std::io::Read;
 use std::path::Path;
 
-use super::Points;
-use super::read::{self, Content};
+use super::read::{self, Content, SceneContent};
+use super::{Columns, Points};
 use crate::Result;
 use crate::source::Source;
 
@@ -28,6 +28,9 @@ pub struct ReadOptions {
     /// the file. Only the intensities of LAS, LAZ and E57 are read. Other files are
     /// refused.
     pub min_intensity: Option<f64>,
+    /// These columns of a text file hold the coordinates, and perhaps the normals. Without it
+    /// the names of the columns or their numbers tell it. Other files are refused.
+    pub columns: Option<Columns>,
 }
 
 impl ReadOptions {
@@ -46,7 +49,7 @@ impl ReadOptions {
     /// # Errors
     /// Those of [`ReadOptions::read_points`].
     pub fn read_points_from(&self, name: &Path, content: impl Read + 'static) -> Result<Points> {
-        read::points(name, read::read(Source::new(name, content, None, None)?, self)?)
+        read::points(name, self.read_content_from(name, content)?)
     }
 
     /// Reads a file as [`read_content`](super::read_content) does, with these options. They
@@ -55,7 +58,27 @@ impl ReadOptions {
     /// # Errors
     /// Those of [`read_content`](super::read_content) and [`ReadOptions::read_points`].
     pub fn read_content(&self, path: &Path) -> Result<Content> {
+        self.read_scene(path)?.into_content()
+    }
+
+    /// Reads a file as [`ReadOptions::read_content`] does, but a mesh as the scene that the file has.
+    ///
+    /// # Errors
+    /// Those of [`ReadOptions::read_content`], but a scene may place its meshes as often as it likes.
+    pub fn read_scene(&self, path: &Path) -> Result<SceneContent> {
         read::read(Source::open(path)?, self)
+    }
+
+    /// Reads a stream as [`ReadOptions::read_content_from`] does, but a mesh as the scene that it has.
+    ///
+    /// # Errors
+    /// Those of [`ReadOptions::read_scene`].
+    pub fn read_scene_from(
+        &self,
+        name: &Path,
+        content: impl Read + 'static,
+    ) -> Result<SceneContent> {
+        read::read(Source::new(name, content, None, None)?, self)
     }
 
     /// Reads a mesh or a cloud from memory or any other stream, whichever it holds. Errors call it
@@ -74,6 +97,6 @@ impl ReadOptions {
     /// # Errors
     /// Those of [`ReadOptions::read_content`].
     pub fn read_content_from(&self, name: &Path, content: impl Read + 'static) -> Result<Content> {
-        read::read(Source::new(name, content, None, None)?, self)
+        self.read_scene_from(name, content)?.into_content()
     }
 }

@@ -3,8 +3,9 @@
 use std::io::Read;
 use std::path::Path;
 
-use super::{Points, PointsBuilder, ReadOptions, ScanEnd, e57, las, pcd, ptx, text};
+use super::{Note, Points, PointsBuilder, ReadOptions, ScanEnd, e57, grid, las, pcd, ptx, text};
 use crate::read::{self, READABLE, after_mark, by_content, foreign};
+use crate::scene::{Scene, SceneMesh};
 use crate::source::Source;
 use crate::{Error, Format, Result, Soup, ply};
 
@@ -27,6 +28,8 @@ pub enum PointFormat {
     Pts,
     /// Any other columns of text: XYZ, TXT, ASC, CSV.
     Text,
+    /// ESRI ASCII grid, a raster of heights. It has often the extension of text (ASC).
+    Grid,
 }
 
 impl PointFormat {
@@ -52,7 +55,8 @@ impl PointFormat {
     /// opened is none of these.
     pub fn is_other_text(path: &Path) -> bool {
         let is_text = PointFormat::by_extension(path) == Some(PointFormat::Text);
-        is_text && Source::open(path).is_ok_and(|source| !text::is_points(&source.head))
+        let is_points = |head: &[u8]| grid::is_grid(head) || text::is_points(head);
+        is_text && Source::open(path).is_ok_and(|source| !is_points(&source.head))
     }
 }
 
@@ -63,6 +67,28 @@ pub enum Content {
     Mesh(Soup),
     /// Points alone.
     Points(Points),
+}
+
+/// What a scan file holds, with all places and names of its meshes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SceneContent {
+    /// Meshes in their places.
+    Scene(Scene),
+    /// Points alone.
+    Points(Points),
+}
+
+impl SceneContent {
+    /// The same with all meshes as one.
+    ///
+    /// # Errors
+    /// Those of [`Scene::into_soup`].
+    pub fn into_content(self) -> Result<Content> {
+        Ok(match self {
+            SceneContent::Scene(scene) => Content::Mesh(scene.into_soup()?),
+            SceneContent::Points(points) => Content::Points(points),
+        })
+    }
 }
 
 /// Reads the mesh or the cloud in the file at `path`, whichever it holds. A mesh
@@ -114,46 +140,61 @@ pub(super) fn points(path: &Path, content: Content) -> Result<Points> {
 }
 
 /// Reads whatever `source` holds.
-pub(super) fn read(source: Source, options: &ReadOptions) -> Result<Content> {
+pub(super) fn read(source: Source, options: &ReadOptions) -> Result<SceneContent> {
     let Some(format) = recognise(&source)? else {
         let path = source.path.clone();
-        let soup = read::read_unchecked(source)?;
-        return match soup.polygons.is_empty() {
-            true => {
+        let scene = read::read_unchecked(source)?;
+        return match scene.has_polygons() {
+            true => Ok(SceneContent::Scene(scene)),
+            false => {
                 check_options(&path, None, options)?;
-                from_soup(&path, soup).map(Content::Points)
+                from_soup(&path, scene.into_soup()?).map(SceneContent::Points)
             }
-            false => Ok(Content::Mesh(soup)),
         };
     };
     check_options(&source.path, Some(format), options)?;
+    let columns = options.columns.as_ref();
     match format {
-        PointFormat::E57 => e57::read(source, options).map(Content::Points),
-        PointFormat::Las => las::read(source, options).map(Content::Points),
+        PointFormat::E57 => e57::read(source, options).map(SceneContent::Points),
+        PointFormat::Las => las::read(source, options).map(SceneContent::Points),
         PointFormat::Ply => {
-            let head = source.head.clone();
+            let (head, path) = (source.head.clone(), source.path.clone());
             let content = ply::read_content(source);
-            content.map_err(|e| crate::damage::explain(e, Format::Ply, &head))
+            let content = content.map_err(|e| crate::damage::explain(e, Format::Ply, &head));
+            content.map(|content| match content {
+                Content::Mesh(soup) => {
+                    SceneContent::Scene(Scene::of_mesh(path, SceneMesh::plain(soup)))
+                }
+                Content::Points(points) => SceneContent::Points(points),
+            })
         }
-        PointFormat::Pcd => pcd::read(source).map(Content::Points),
-        PointFormat::Ptx => ptx::read(source).map(Content::Points),
-        PointFormat::Pts => text::read(source, true).map(Content::Points),
-        PointFormat::Text => text::read(source, false).map(Content::Points),
+        PointFormat::Pcd => pcd::read(source).map(SceneContent::Points),
+        PointFormat::Ptx => ptx::read(source).map(SceneContent::Points),
+        PointFormat::Pts => text::read(source, true, columns).map(SceneContent::Points),
+        PointFormat::Text => text::read(source, false, columns).map(SceneContent::Points),
+        PointFormat::Grid => grid::read(source).map(SceneContent::Points),
     }
 }
 
 /// Refuses options that a format cannot fulfil.
 fn check_options(path: &Path, format: Option<PointFormat>, options: &ReadOptions) -> Result<()> {
     let has_classes = format == Some(PointFormat::Las);
+    let has_columns = matches!(format, Some(PointFormat::Pts | PointFormat::Text));
     let has_intensities = has_classes || format == Some(PointFormat::E57);
     let what = if !options.classes.is_empty() && !has_classes {
         "is of a format without classes of points"
     } else if options.min_intensity.is_some() && !has_intensities {
         "is of a format whose intensities are not read"
+    } else if options.columns.is_some() && !has_columns {
+        "is of a format that says itself what its columns hold"
     } else {
         return Ok(());
     };
-    Err(Error::new(path, what, "Read all of its points, or save it as LAS."))
+    let help = match options.columns {
+        Some(_) => "Read it without naming columns.",
+        None => "Read all of its points, or save it as LAS.",
+    };
+    Err(Error::new(path, what, help))
 }
 
 /// The format of a cloud, or `None` for a mesh of another format than PLY.
@@ -185,6 +226,9 @@ fn recognise(source: &Source) -> Result<Option<PointFormat>> {
     {
         return Ok(None);
     }
+    if grid::is_grid(text) {
+        return Ok(Some(PointFormat::Grid));
+    }
     if ptx::is_ptx(text) {
         return Ok(Some(PointFormat::Ptx));
     }
@@ -208,6 +252,8 @@ fn recognise(source: &Source) -> Result<Option<PointFormat>> {
 fn from_soup(path: &Path, soup: Soup) -> Result<Points> {
     let mut builder = PointsBuilder::new(path, false);
     builder.cloud().unit = soup.unit;
+    let note = soup.unit_comment.map(|comment| Note::UnitByComment { comment });
+    builder.cloud().notes.extend(note);
     builder.begin_scan(false);
     for xyz in soup.points {
         builder.push(xyz, [0.0; 3])?;

@@ -1,7 +1,10 @@
 //! What a user should know about how a cloud was read, in words.
 
 use super::{Lost, Points};
-use crate::words::plural;
+use crate::words::{grouped, plural};
+
+/// A remark names at most so many columns that are not used.
+const MOST_COLUMNS: usize = 5;
 
 impl Points {
     /// What was left out of the cloud, and what its reader decided: one sentence each, without a
@@ -33,9 +36,15 @@ impl Lost {
             (self.colours, ["not used", "colour", ""]),
             (self.intensities, ["not used", "intensity value", ""]),
         ];
-        let columns = match self.columns.as_slice() {
-            [] => None,
-            columns => Some(format!("not used: the columns {}", columns.join(", "))),
+        let shown = &self.columns[..self.columns.len().min(MOST_COLUMNS)];
+        let more = (self.columns.len() - shown.len()) as u64 + self.more_columns;
+        let columns = match (shown, more) {
+            ([], _) => None,
+            (columns, 0) => Some(format!("not used: the columns {}", columns.join(", "))),
+            (columns, more) => {
+                let more = grouped(more);
+                Some(format!("not used: the columns {} and {more} more", columns.join(", ")))
+            }
         };
         let counted = points.into_iter().filter(|(count, _)| *count > 0);
         let remark = |(count, [fate, name, which]): (u64, [&str; 3])| {

@@ -1,10 +1,11 @@
 //! Writer of STEP files.
 //!
-//! The input is a [`Brep`]. The output is a file of ISO 10303-21 with the schema of AP203, AP214 or
+//! The input is a [`Brep`] or an [`Assembly`]. The output is a file of ISO 10303-21 with the schema of AP203, AP214 or
 //! AP242.
 
 mod admin;
 mod analytic;
+mod assembly;
 mod geometry;
 mod part21;
 mod product;
@@ -15,8 +16,11 @@ mod style;
 
 use std::io;
 
+use crate::assembly::Assembly;
 use crate::brep::Brep;
 use part21::{FileHeader, Part21};
+use product::{ProductNames, ProductWriter};
+use shape::PartColours;
 
 /// The application protocol of a file. The default is AP242.
 ///
@@ -76,8 +80,40 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
         content: brep.content(),
     };
     let mut file = Part21::begin(out, &header)?;
-    let definition = product::write(&mut file, brep, options)?;
+    let names = ProductNames { id: &brep.name, name: &brep.name, description: &brep.description };
+    let product = ProductWriter::begin(&mut file, options)?.write(&mut file, &names)?;
     let colour = options.colour.filter(|_| options.schema != Schema::Ap203);
-    shape::write(&mut file, brep, (definition, colour))?;
+    let colours = PartColours { part: colour, faces: &[] };
+    shape::write(&mut file, brep, (product.shape, colours))?;
+    file.end()
+}
+
+/// Writes an assembly: a product for each part and each group, and their places. Each part is written once. The colour of
+/// `options` is not used, because parts have their own.
+///
+/// # Errors
+/// An error of kind `InvalidInput` before anything is written, if `assembly` does not satisfy
+/// [`Assembly::check`]. Otherwise the errors of `out`.
+pub fn write_assembly(
+    assembly: &Assembly,
+    options: &Options,
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    assembly.check()?;
+    let name = assembly.groups.last().map(|group| group.name.as_str()).unwrap_or_default();
+    let has_splines_only = assembly.parts.iter().all(|part| part.brep.has_splines_only());
+    let header = FileHeader {
+        name,
+        time_stamp: &options.time_stamp,
+        originating_system: &options.originating_system,
+        schema: product::file_schema(options.schema),
+        content: if has_splines_only {
+            "Assembly of trimmed B-spline surfaces"
+        } else {
+            "Assembly of trimmed surfaces"
+        },
+    };
+    let mut file = Part21::begin(out, &header)?;
+    assembly::write(&mut file, assembly, options)?;
     file.end()
 }

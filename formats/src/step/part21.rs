@@ -104,7 +104,8 @@ impl fmt::Display for Text<'_> {
                 open = alphabet;
             }
             match (alphabet, c) {
-                (Alphabet::Basic, '\'') => f.write_str("''")?,
+                // Two apostrophes are one, too, but OpenCASCADE reads a name with "')" as nothing.
+                (Alphabet::Basic, '\'') => f.write_str("\\X\\27")?,
                 (Alphabet::Basic, '\\') => f.write_str("\\\\")?,
                 (Alphabet::Basic, _) => f.write_char(c)?,
                 (Alphabet::Two, _) => write!(f, "{:04X}", u32::from(c))?,
@@ -200,7 +201,7 @@ mod tests {
     #[test]
     fn strings_are_escaped() {
         let text = |s| Text(s).to_string();
-        assert_eq!(text("a'b\\c"), r"'a''b\\c'");
+        assert_eq!(text("a');b\\c"), r"'a\X\27);b\\c'");
         assert_eq!(text("Größe"), r"'Gr\X2\00F600DF\X0\e'");
         assert_eq!(text("é😀"), r"'\X2\00E9\X0\\X4\0001F600\X0\'");
         assert_eq!(text("a\nb"), r"'a\X2\000A\X0\b'");

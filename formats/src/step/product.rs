@@ -2,9 +2,8 @@
 
 use std::io;
 
-use super::part21::{Id, Part21, Text, add};
+use super::part21::{Id, Part21, Text, add, share};
 use super::{Options, Schema, admin};
-use crate::brep::Brep;
 
 /// The schema identifier of the header with its ASN.1 object identifier.
 pub(super) fn file_schema(schema: Schema) -> &'static str {
@@ -32,41 +31,79 @@ fn application(schema: Schema) -> (&'static str, &'static str, u16) {
     }
 }
 
-/// Writes all entities from `APPLICATION_CONTEXT` to `PRODUCT_DEFINITION_SHAPE` and returns the
-/// latter.
-pub(super) fn write(file: &mut Part21<'_>, brep: &Brep, options: &Options) -> io::Result<Id> {
-    let (application, schema, year) = application(options.schema);
-    let context = add!(file, "APPLICATION_CONTEXT('{application}')")?;
-    add!(
-        file,
-        "APPLICATION_PROTOCOL_DEFINITION('international standard','{schema}',{year},{context})"
-    )?;
-    let controlled = options.schema == Schema::Ap203;
-    let product = product(file, brep, context, controlled)?;
-    let version = if controlled {
-        let kind = "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE";
-        add!(file, "{kind}('1','',{product},.NOT_KNOWN.)")?
-    } else {
-        add!(file, "PRODUCT_DEFINITION_FORMATION('1','',{product})")?
-    };
-    let stage = if controlled { "DESIGN_CONTEXT" } else { "PRODUCT_DEFINITION_CONTEXT" };
-    let life = if controlled { "design" } else { "part definition" };
-    let stage = add!(file, "{stage}('{life}',{context},'design')")?;
-    let definition = add!(file, "PRODUCT_DEFINITION('design','',{version},{stage})")?;
-    if controlled {
-        let parts = admin::ProductIds { product, version, definition };
-        admin::write(file, &parts, &options.time_stamp)?;
-    }
-    add!(file, "PRODUCT_DEFINITION_SHAPE('','',{definition})")
+/// Writes products in the context of one application.
+pub(super) struct ProductWriter<'a> {
+    options: &'a Options,
+    context: Id,
 }
 
-fn product(file: &mut Part21<'_>, brep: &Brep, context: Id, controlled: bool) -> io::Result<Id> {
+/// A product that was written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ProductEntity {
+    /// Its `PRODUCT_DEFINITION`.
+    pub definition: Id,
+    /// Its `PRODUCT_DEFINITION_SHAPE`.
+    pub shape: Id,
+}
+
+/// The names of a product. Each product of a file has another identifier.
+pub(super) struct ProductNames<'a> {
+    pub id: &'a str,
+    pub name: &'a str,
+    pub description: &'a str,
+}
+
+impl<'a> ProductWriter<'a> {
+    /// Writes the context of the application.
+    pub(super) fn begin(file: &mut Part21<'_>, options: &'a Options) -> io::Result<Self> {
+        let (application, schema, year) = application(options.schema);
+        let context = add!(file, "APPLICATION_CONTEXT('{application}')")?;
+        add!(
+            file,
+            "APPLICATION_PROTOCOL_DEFINITION('international standard','{schema}',{year},{context})"
+        )?;
+        Ok(ProductWriter { options, context })
+    }
+
+    /// Writes all entities from `PRODUCT` to `PRODUCT_DEFINITION_SHAPE`. Products share what is the same for all.
+    pub(super) fn write(
+        &self,
+        file: &mut Part21<'_>,
+        names: &ProductNames<'_>,
+    ) -> io::Result<ProductEntity> {
+        let (context, controlled) = (self.context, self.options.schema == Schema::Ap203);
+        let product = product(file, names, context, controlled)?;
+        let version = if controlled {
+            let kind = "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE";
+            add!(file, "{kind}('1','',{product},.NOT_KNOWN.)")?
+        } else {
+            add!(file, "PRODUCT_DEFINITION_FORMATION('1','',{product})")?
+        };
+        let stage = if controlled { "DESIGN_CONTEXT" } else { "PRODUCT_DEFINITION_CONTEXT" };
+        let life = if controlled { "design" } else { "part definition" };
+        let stage = share!(file, "{stage}('{life}',{context},'design')")?;
+        let definition = add!(file, "PRODUCT_DEFINITION('design','',{version},{stage})")?;
+        if controlled {
+            let parts = admin::ProductIds { product, version, definition };
+            admin::write(file, &parts, &self.options.time_stamp)?;
+        }
+        let shape = add!(file, "PRODUCT_DEFINITION_SHAPE('','',{definition})")?;
+        Ok(ProductEntity { definition, shape })
+    }
+}
+
+fn product(
+    file: &mut Part21<'_>,
+    names: &ProductNames<'_>,
+    context: Id,
+    controlled: bool,
+) -> io::Result<Id> {
     let kind = if controlled { "MECHANICAL_CONTEXT" } else { "PRODUCT_CONTEXT" };
-    let discipline = add!(file, "{kind}('',{context},'mechanical')")?;
-    let (name, description) = (Text(&brep.name), Text(&brep.description));
-    let product = add!(file, "PRODUCT({name},{name},{description},({discipline}))")?;
+    let discipline = share!(file, "{kind}('',{context},'mechanical')")?;
+    let (id, name, description) = (Text(names.id), Text(names.name), Text(names.description));
+    let product = add!(file, "PRODUCT({id},{name},{description},({discipline}))")?;
     if controlled {
-        let part = add!(file, "PRODUCT_CATEGORY('part','')")?;
+        let part = share!(file, "PRODUCT_CATEGORY('part','')")?;
         let detail = add!(file, "PRODUCT_RELATED_PRODUCT_CATEGORY('detail','',({product}))")?;
         add!(file, "PRODUCT_CATEGORY_RELATIONSHIP('','',{part},{detail})")?;
     } else {

@@ -12,20 +12,36 @@ use super::style;
 use crate::brep::{BoundedCurve, Brep, Edge, EdgeUse, Face, FaceId, ShellId, Solid, SurfaceId};
 use crate::number::StepReal;
 
+/// The colours of a part: its own, and those of faces that differ.
+#[derive(Clone, Copy, Default)]
+pub(super) struct PartColours<'a> {
+    pub(super) part: Option<[u8; 3]>,
+    pub(super) faces: &'a [(FaceId, [u8; 3])],
+}
+
+/// The shape of a product that was written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ShapeEntity {
+    /// Its representation.
+    pub(super) representation: Id,
+    /// The placement in it that is at its origin.
+    pub(super) origin: Id,
+}
+
 /// Writes the shape, connects it to the product's `PRODUCT_DEFINITION_SHAPE`, and gives it its
-/// colour.
+/// colours.
 pub(super) fn write(
     file: &mut Part21<'_>,
     brep: &Brep,
-    (definition, colour): (Id, Option<[u8; 3]>),
-) -> io::Result<()> {
+    (definition, colours): (Id, PartColours<'_>),
+) -> io::Result<ShapeEntity> {
     let space = space(file, brep.uncertainty_mm)?;
     let plane = add!(
         file,
         "(GEOMETRIC_REPRESENTATION_CONTEXT(2)\nPARAMETRIC_REPRESENTATION_CONTEXT()\n\
          REPRESENTATION_CONTEXT('2D SPACE',''))"
     )?;
-    let shells = shells(file, brep, plane)?;
+    let (shells, faces) = shells(file, brep, plane)?;
     let name = Text(&brep.name);
     let mut models = Vec::new();
     for body in &brep.solids {
@@ -45,7 +61,16 @@ pub(super) fn write(
     let items: Vec<Id> = models.iter().copied().chain([origin]).collect();
     let shape = add!(file, "{kind}({name},{},{space})", List(&items))?;
     add!(file, "SHAPE_DEFINITION_REPRESENTATION({definition},{shape})")?;
-    colour.map_or(Ok(()), |colour| style::write(file, &models, colour, space))
+    let of_part = models.iter().filter_map(|&model| Some((model, colours.part?)));
+    let of_faces = colours
+        .faces
+        .iter()
+        .filter_map(|(face, colour)| faces.get(face.0).map(|&face| (face, *colour)));
+    let styled: Vec<(Id, [u8; 3])> = of_part.chain(of_faces).collect();
+    if !styled.is_empty() {
+        style::write(file, &styled, space)?;
+    }
+    Ok(ShapeEntity { representation: shape, origin })
 }
 
 /// Writes a `MANIFOLD_SOLID_BREP`, or a `BREP_WITH_VOIDS` if the solid has voids. The normals of
@@ -63,7 +88,7 @@ fn solid(file: &mut Part21<'_>, solid: &Solid, shells: &[Id], name: &str) -> io:
 }
 
 /// Writes the geometric context: three dimensions, millimetres, and the uncertainty.
-fn space(file: &mut Part21<'_>, uncertainty: f64) -> io::Result<Id> {
+pub(super) fn space(file: &mut Part21<'_>, uncertainty: f64) -> io::Result<Id> {
     let length = add!(file, "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")?;
     let angle = add!(file, "(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")?;
     let solid = add!(file, "(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")?;
@@ -81,15 +106,16 @@ fn space(file: &mut Part21<'_>, uncertainty: f64) -> io::Result<Id> {
     )
 }
 
-fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
+/// Writes the placement at the origin.
+pub(super) fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
     let point = add!(file, "CARTESIAN_POINT('',(0.,0.,0.))")?;
     let z = add!(file, "DIRECTION('',(0.,0.,1.))")?;
     let x = add!(file, "DIRECTION('',(1.,0.,0.))")?;
     add!(file, "AXIS2_PLACEMENT_3D('',{point},{z},{x})")
 }
 
-/// Writes an `OPEN_SHELL` or a `CLOSED_SHELL` for every shell.
-fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> {
+/// Writes an `OPEN_SHELL` or a `CLOSED_SHELL` for every shell. Returns the faces, too.
+fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<(Vec<Id>, Vec<Id>)> {
     let surfaces = surfaces(file, brep)?;
     let order = SeamOrder::new(brep);
     let vertices = vertices(file, brep)?;
@@ -104,7 +130,7 @@ fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> 
         let kind = if shell.closed { "CLOSED_SHELL" } else { "OPEN_SHELL" };
         shells.push(add!(file, "{kind}('',{})", List(&members))?);
     }
-    Ok(shells)
+    Ok((shells, faces))
 }
 
 /// Writes the surfaces and returns that of each face. Faces share a B-spline surface, because it is

@@ -2,28 +2,33 @@
 
 use std::io;
 
-use super::part21::{Id, List, Part21, add};
+use super::part21::{Id, List, Part21, add, share};
 use crate::number::StepReal;
 
-/// Gives items a colour on both of their sides.
-pub(super) fn write(
-    file: &mut Part21<'_>,
-    items: &[Id],
-    colour: [u8; 3],
-    context: Id,
-) -> io::Result<()> {
-    let [r, g, b] = colour.map(|channel| StepReal(f64::from(channel) / f64::from(u8::MAX)));
-    let colour = add!(file, "COLOUR_RGB('',{r},{g},{b})")?;
-    let colour = add!(file, "FILL_AREA_STYLE_COLOUR('',{colour})")?;
-    let area = add!(file, "FILL_AREA_STYLE('',({colour}))")?;
-    let area = add!(file, "SURFACE_STYLE_FILL_AREA({area})")?;
-    let side = add!(file, "SURFACE_SIDE_STYLE('',({area}))")?;
-    let usage = add!(file, "SURFACE_STYLE_USAGE(.BOTH.,{side})")?;
-    let style = add!(file, "PRESENTATION_STYLE_ASSIGNMENT(({usage}))")?;
+/// Gives items their colours, on both of their sides.
+pub(super) fn write(file: &mut Part21<'_>, items: &[(Id, [u8; 3])], context: Id) -> io::Result<()> {
     let mut styled = Vec::with_capacity(items.len());
-    for item in items {
-        styled.push(add!(file, "STYLED_ITEM('color',({style}),{item})")?);
+    let mut style = None;
+    for &(item, colour) in items {
+        let of_item = match style {
+            Some((of, style)) if of == colour => style,
+            _ => styles(file, colour)?,
+        };
+        style = Some((colour, of_item));
+        styled.push(add!(file, "STYLED_ITEM('color',({of_item}),{item})")?);
     }
     let kind = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION";
     add!(file, "{kind}('',{},{context})", List(&styled)).map(drop)
+}
+
+/// Writes a colour, or returns the style of the same colour that is there.
+fn styles(file: &mut Part21<'_>, colour: [u8; 3]) -> io::Result<Id> {
+    let [r, g, b] = colour.map(|channel| StepReal(f64::from(channel) / f64::from(u8::MAX)));
+    let colour = share!(file, "COLOUR_RGB('',{r},{g},{b})")?;
+    let colour = share!(file, "FILL_AREA_STYLE_COLOUR('',{colour})")?;
+    let area = share!(file, "FILL_AREA_STYLE('',({colour}))")?;
+    let area = share!(file, "SURFACE_STYLE_FILL_AREA({area})")?;
+    let side = share!(file, "SURFACE_SIDE_STYLE('',({area}))")?;
+    let usage = share!(file, "SURFACE_STYLE_USAGE(.BOTH.,{side})")?;
+    share!(file, "PRESENTATION_STYLE_ASSIGNMENT(({usage}))")
 }

@@ -1,5 +1,6 @@
 //! Reading of STEP and IGES files: our own files, and files in the style of other programs.
 
+mod assembly;
 #[allow(dead_code)]
 #[path = "../write/bodies.rs"]
 mod bodies;

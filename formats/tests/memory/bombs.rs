@@ -1,7 +1,9 @@
 //! Files that decompress to far more than their size.
 
-use crate::Judge;
+use std::io::{Cursor, Write as _};
+
 use crate::support::gzip;
+use crate::{Judge, seeds};
 
 pub fn judge(judge: &mut Judge) {
     let mut huge = gzip(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -33,5 +35,24 @@ pub fn judge(judge: &mut Judge) {
         let more = gzip(&piece.repeat((16 << 20) / piece.len()));
         let file = [gzip(head), more.repeat(8)].concat();
         judge.judge_made(name, &format!("bomb {name}"), file);
+    }
+    threemf(judge);
+}
+
+/// 3MF files whose model unpacks to 64 MB.
+fn threemf(judge: &mut Judge) {
+    let (start, end) = seeds::MODEL.split_once("<vertex ").expect("a vertex");
+    for piece in ["<vertex x=\"0\" y=\"0\" z=\"0\"/>", " ", "<a/>", "<!---->"] {
+        let text = format!("{start}{}<vertex {end}", piece.repeat((64 << 20) / piece.len()));
+        let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        for (name, content) in
+            [("_rels/.rels", seeds::RELATIONSHIPS), ("3D/3dmodel.model", text.as_str())]
+        {
+            let options = zip::write::SimpleFileOptions::default();
+            archive.start_file(name, options).expect("an entry");
+            archive.write_all(content.as_bytes()).expect("an entry");
+        }
+        let file = archive.finish().expect("an archive").into_inner();
+        judge.judge_made("bomb.3mf", &format!("bomb of {piece:?}"), file);
     }
 }

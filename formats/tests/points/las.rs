@@ -125,7 +125,7 @@ fn options_choose_points() {
         (ReadOptions { classes: vec![2], ..default() }, 2, 1),
         (ReadOptions { classes: vec![7], ..default() }, 1, 3),
         (ReadOptions { min_intensity: Some(20.0), ..default() }, 2, 1),
-        (ReadOptions { classes: vec![2], min_intensity: Some(20.0) }, 1, 2),
+        (ReadOptions { classes: vec![2], min_intensity: Some(20.0), ..default() }, 1, 2),
     ] {
         let cloud = read(options.clone(), classes(6)).expect("points");
         assert_eq!((cloud.len(), cloud.lost.filtered), (count, filtered), "{options:?}");

@@ -5,6 +5,7 @@ mod broken;
 mod collected;
 mod e57;
 mod far;
+mod grid;
 mod las;
 mod pcd;
 mod ply;

@@ -1,7 +1,9 @@
 //! Columns of text.
 
+use std::io::Cursor;
+
 use formats::LengthUnit;
-use formats::points::Note;
+use formats::points::{Columns, Note, ReadOptions};
 
 use crate::support::{cloud, places, refusal};
 
@@ -158,4 +160,108 @@ fn what_is_no_cloud_is_refused() {
     refusal("molecule.xyz", "2\nwater\nO 0 0 0\nH 1 0 0\n", "are no points");
     refusal("scan.xyz", "", "is empty");
     refusal("scan", "hello\n", "no known format");
+}
+
+/// Lines of fields that are made of a number, in a sheet of 12 x 5 points.
+fn sheet(line: impl Fn(usize, usize) -> String) -> String {
+    (0..60).map(|n| line(n / 12, n % 12) + "\n").collect()
+}
+
+/// The place of a point of the sheet.
+fn place(row: usize, column: usize) -> [f64; 3] {
+    let [i, j] = [row, column].map(|i| i as f64);
+    [0.5 * j + 0.01 * (i * j).sin(), 0.5 * i, (0.3 * j).sin() + 0.1 * i]
+}
+
+fn joined(numbers: &[f64]) -> String {
+    numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn numbers_of_points_are_no_coordinates() {
+    let all: Vec<[f64; 3]> = (0..60).map(|n| place(n / 12, n % 12)).collect();
+    let number = |row: usize, column: usize| 12 * row + column + 1;
+    let at = |row, column| joined(&place(row, column));
+    let normal = "0 0.6 0.8";
+    for (columns, text) in [
+        (1, sheet(|i, j| format!("{} {}", number(i, j), at(i, j)))),
+        (1, sheet(|i, j| format!("{};{}", 1000 + 3 * number(i, j), at(i, j).replace(' ', ";")))),
+        (1, sheet(|i, j| format!("{}\t{} {normal}", number(i, j), at(i, j)))),
+        (1, sheet(|i, j| format!("{} {} 10 200 30", number(i, j), at(i, j)))),
+        (2, sheet(|i, j| format!("{i} {j} {}", at(i, j)))),
+        (2, sheet(|i, j| format!("{} {} {} 17", j + 5, 2 * i + 9, at(i, j)))),
+        (2, sheet(|i, j| format!("{i} {j} {} {normal}", at(i, j)))),
+    ] {
+        let cloud = cloud("scan.txt", &text);
+        assert_eq!(cloud.notes, [Note::PointNumbers { columns }], "{text}");
+        assert_eq!(places(&cloud), all, "{text}");
+        let has_normals = text.contains(normal);
+        assert_eq!(cloud.normals.is_some_and(|n| n[0] == [0.0, 0.6, 0.8]), has_normals);
+    }
+}
+
+#[test]
+fn coordinates_are_no_numbers_of_points() {
+    let height = |i: usize, j: usize| place(i, j)[2];
+    for text in [
+        // A raster of whole coordinates, with an intensity, colours, or normals.
+        sheet(|i, j| format!("{j} {i} {} 17", height(i, j))),
+        sheet(|i, j| format!("{i} {j} {} 10 200 30", height(i, j))),
+        sheet(|i, j| format!("{i} {j} {} 0 0.6 0.8", height(i, j))),
+        // Whole coordinates that are sorted.
+        sheet(|i, j| format!("{} {} 5 {}", 3 * (12 * i + j), 17 * j % 12, 7 * j % 5)),
+        // Coordinates alone.
+        sheet(|i, j| format!("{} {i} {}", 12 * i + j, height(i, j))),
+    ] {
+        let cloud = cloud("scan.txt", &text);
+        assert!(cloud.notes.is_empty(), "{text}");
+        let first: Vec<f64> =
+            text.split_whitespace().take(3).map(|x| x.parse().expect("a number")).collect();
+        assert_eq!(places(&cloud)[0][..], first, "{text}");
+    }
+}
+
+#[test]
+fn a_user_chooses_columns() {
+    let chosen = |columns: &str, text: &str| {
+        let columns = Some(columns.parse().expect("columns"));
+        let options = ReadOptions { columns, ..ReadOptions::default() };
+        options.read_points_from("scan.txt".as_ref(), Cursor::new(text.to_owned()))
+    };
+    let plain = "7 1 2 3 0.6\n9 4 5 6 0.8\n";
+    let named = "Point Id;Up;East;North;\u{20}\n7;3;1;2;0.6\n9;6;4;5;0.8\n";
+    for (columns, text) in [
+        ("2,3,4", plain),
+        ("id, x, y, z", plain),
+        ("id,x,y,z,quality", plain),
+        ("East,NORTH,up", named),
+        ("3,4,2", named),
+        ("x,y,up", named),
+    ] {
+        let cloud = chosen(columns, text).expect("a cloud");
+        assert_eq!(places(&cloud), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]], "{columns}");
+        assert!(cloud.notes.is_empty() && cloud.normals.is_none());
+    }
+    let cloud = chosen("4,3,2,5,1,6", "7 1 2 3 0.5 0.25\n".repeat(2).as_str());
+    let cloud = cloud.expect("a cloud with normals");
+    assert_eq!(places(&cloud)[0], [3.0, 2.0, 1.0]);
+    assert_eq!(cloud.normals.map(|n| n[0]), Some([0.5, 7.0, 0.25]));
+    for (columns, word) in
+        [("2,3,9", "no column 9"), ("a,b,c", "a, b, c"), ("x,y,z,a,b,c", "6 are named")]
+    {
+        let error = chosen(columns, plain).expect_err("should be refused");
+        assert!(error.to_string().contains(word), "{error}");
+    }
+    for columns in ["", "1,2", "1,2,3,4", "0,1,2", "1,1,2", "1,,2", "x"] {
+        assert!(columns.parse::<Columns>().is_err(), "{columns}");
+    }
+    assert!(chosen("1,2,3", "v 0 0 0\nv 1 0 0\nv 0 1 0\n").is_err());
+}
+
+#[test]
+fn lists_of_unused_columns_end() {
+    let text = "1 2 3 4 5 6 7 8 9 10 11 12\n".repeat(3);
+    let remarks = cloud("scan.txt", text).remarks();
+    let list = "not used: the columns column 4, column 5, column 6, column 7, column 8 and 4 more";
+    assert_eq!(remarks, [list]);
 }

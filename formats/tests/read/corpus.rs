@@ -9,13 +9,11 @@ use formats::{Result, Soup, read_scan};
 use crate::support::{scans, triangles};
 
 /// Valid files that are refused on purpose, and the reasons.
-const REFUSED: [(&str, &str); 8] = [
+const REFUSED: [(&str, &str); 6] = [
     ("D/ply_int_coords.ply", "no faces"),
     ("D/ply_list_element_points.ply", "no faces"),
     ("D/points-prim.obj", "no faces"),
     ("D/gltf_mode_points/Mesh_PrimitiveMode_00.gltf", "no triangles"),
-    ("D/gltf_duck_draco/Duck.gltf", "Draco"),
-    ("D/gltf_meshopt.glb", "meshopt"),
     ("D/diamond_with_bool.ply", "a type that PLY does not have"),
     ("D/number_formats.obj", "3.1+e2 is no number"),
 ];

@@ -187,8 +187,7 @@ fn wrong_sums_of_gzip_are_refused() {
 #[test]
 fn strangers_are_refused_by_name() {
     for (content, word) in [
-        (&b"PK\x03\x04\x14\0"[..], "ZIP"),
-        (b"BZh91AY", "bzip2"),
+        (&b"BZh91AY"[..], "bzip2"),
         (b"\xfd7zXZ\0", "xz"),
         (b"\x28\xb5\x2f\xfd\0", "zstd"),
         (b"# .PCD v0.7 - Point Cloud Data\nDATA ascii\n1 2 3\n", "PCD"),

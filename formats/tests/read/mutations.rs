@@ -32,6 +32,22 @@ fn damaged_files_are_survived() {
     }
 }
 
+/// Packed parts have checksums, so that most damage to a package is found at once. Here it is done to the XML.
+#[test]
+fn damaged_parts_of_3mf_are_survived() {
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    for round in 0..100_000 {
+        let (mut model, mut part) =
+            (seeds::MODEL.as_bytes().to_vec(), seeds::PART.as_bytes().to_vec());
+        damage(if round % 4 == 0 { &mut part } else { &mut model }, &mut random);
+        let relationships = seeds::RELATIONSHIPS.as_bytes();
+        let files: [(&str, &[u8]); 3] =
+            [("_rels/.rels", relationships), ("3D/3dmodel.model", &model), ("3D/b.model", &part)];
+        let read = seeds::survive("parts.3mf", &seeds::zip(&files));
+        drop(read.unwrap_or_else(|file| panic!("{file}")));
+    }
+}
+
 /// Each file in `crashes` has broken a reader. The extension names the format.
 #[test]
 fn old_crashes_are_survived() {

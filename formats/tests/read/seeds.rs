@@ -4,22 +4,48 @@ use std::io::{Cursor, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use formats::{Result, Soup, read_scan_from};
+use formats::scene::{FormId, NodeContent, NodeId};
+use formats::{Result, Scene, Soup, read_scene_from};
 
-/// Reads `content` and checks what a soup promises.
+/// Reads `content` and checks what a scene and its soup promise.
 ///
 /// # Panics
 ///
-/// The soup breaks its promise, or the reader panics.
+/// The scene or the soup breaks its promise, or the reader panics.
 pub fn read_soundly(name: &str, content: &[u8]) -> Result<Soup> {
     let cursor = Cursor::new(content.to_vec());
-    let soup = read_scan_from(Path::new(name), cursor, None)?;
+    let scene = read_scene_from(Path::new(name), cursor, None)?;
+    check_scene(&scene);
+    let soup = scene.into_soup()?;
     let count = soup.points.len();
     for polygon in soup.polygons.iter() {
         assert!(polygon.len() >= 3, "a polygon of {} corners", polygon.len());
         assert!(polygon.iter().all(|&c| (c as usize) < count), "{polygon:?} of {count} points");
     }
     Ok(soup)
+}
+
+fn check_scene(scene: &Scene) {
+    assert!(scene.place_count() > 0, "no places");
+    for (number, node) in scene.nodes().iter().enumerate() {
+        assert!(
+            node.parent.is_none_or(|NodeId(parent)| parent < number),
+            "a child before its parent"
+        );
+        if let NodeContent::Form(FormId(form)) = node.content {
+            assert!(scene.forms()[form].mesh.0 < scene.meshes().len());
+        }
+        let axes = node.placement.axes;
+        for (i, j) in (0..3).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let product: f64 = (0..3).map(|k| axes[i][k] * axes[j][k]).sum();
+            assert!((product - f64::from(i == j)).abs() < 1e-9, "no rotation: {axes:?}");
+        }
+    }
+    for mesh in scene.meshes() {
+        let count = mesh.soup.polygons.len();
+        let ends = mesh.groups.iter().chain(mesh.colours.iter()).map(|(run, _)| run.end);
+        assert!(ends.max().unwrap_or(0) <= count, "a run beyond {count} polygons");
+    }
 }
 
 /// The same, but a panic becomes an error with its message.
@@ -47,6 +73,7 @@ pub fn all() -> Vec<Seed> {
         ("nodes.gltf", gltf()),
         ("packed.gltf", PACKED.into()),
         ("nodes.glb", glb(GLTF)),
+        ("parts.3mf", threemf(&[("3D/3dmodel.model", MODEL), ("3D/b.model", PART)])),
     ];
     let zipped = [
         ("rows.ply.gz", ascii_ply()),
@@ -158,6 +185,55 @@ const PACKED: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0,"rotation"
     "count":4,"type":"VEC3"},{"bufferView":1,"componentType":5121,"count":4,"type":
     "SCALAR"},{"componentType":5122,"count":4,"type":"VEC3","sparse":{"count":2,"indices":
     {"bufferView":1,"byteOffset":2,"componentType":5121},"values":{"bufferView":2}}}]}"#;
+
+/// The relationships of a package with its model.
+pub const RELATIONSHIPS: &str = r#"<?xml version="1.0"?><Relationships
+    xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Id="r"
+    Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel" Target="/3D/3dmodel.model"/>
+    </Relationships>"#;
+
+/// A model with colours, components, another part, a mirrored use and what is not read.
+pub const MODEL: &str = r##"<?xml version="1.0" encoding="UTF-8"?><model unit="centimeter"
+    xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:q="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+    xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02" requiredextensions="q m">
+    <metadata name="Title">a &amp; b</metadata><resources><basematerials id="1"><base name="r"
+    displaycolor="#FF0000FF"/><base name="b" displaycolor="#0000ff"/></basematerials>
+    <m:colorgroup id="2"><m:color color="#10203040"/></m:colorgroup><m:compositematerials id="3" matid="1"
+    matindices="0 1"><m:composite values="0.5 0.5"/></m:compositematerials><m:multiproperties id="4"
+    pids="3 2"><m:multi pindices="0 0"/></m:multiproperties>
+    <object id="5" name="tet &#x41;" pid="1" pindex="0"><mesh><vertices><vertex x="0" y="0" z="0"/>
+    <vertex x="1e0" y="0" z="0"/><vertex x="0" y=".5" z="0"/><vertex x="0" y="0" z="-3"/></vertices>
+    <triangles><triangle v1="0" v2="1" v3="2"/><triangle v1="0" v2="3" v3="1" pid="1" p1="1"/>
+    <triangle v1="1" v2="3" v3="2" pid="2" p1="0"/><triangle v1="2" v2="3" v3="0" pid="4" p1="0"/></triangles></mesh></object>
+    <object id="6" type="support"><mesh><vertices/><triangles/></mesh></object>
+    <object id="7" partnumber="pair"><components><component objectid="5"/><component objectid="5"
+    transform="-1 0 0 0 1 0 0 0 1 2 0 0"/><component objectid="9" q:path="/3D/b.model"/></components></object>
+    </resources><build><item objectid="7" partnumber="left"/><item objectid="5" transform="2 0 0 0 2 0 0 0 2 0 0 7"/>
+    <item objectid="6"/></build></model>"##;
+
+/// Another part, in another unit.
+pub const PART: &str = r#"<p:model unit="millimeter" xmlns:p="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><p:resources>
+    <p:object id="9"><p:mesh><p:vertices><p:vertex x="0" y="0" z="0"/><p:vertex x="10" y="0" z="0"/>
+    <p:vertex x="0" y="10" z="0"/></p:vertices><p:triangles><p:triangle v1="0" v2="1" v3="2"/>
+    </p:triangles></p:mesh></p:object></p:resources><p:build/></p:model>"#;
+
+/// A 3MF file with these parts.
+pub fn threemf(parts: &[(&str, &str)]) -> Vec<u8> {
+    let parts: Vec<_> = parts.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+    zip(&[&[("_rels/.rels", RELATIONSHIPS.as_bytes())], parts.as_slice()].concat())
+}
+
+/// A ZIP archive of stored files.
+pub fn zip(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let stored =
+        zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+    for (name, content) in files {
+        archive.start_file(*name, stored).expect("an entry");
+        archive.write_all(content).expect("an entry");
+    }
+    archive.finish().expect("an archive").into_inner()
+}
 
 fn buffer() -> Vec<u8> {
     let mut bytes = vec![0; 48];

@@ -1,5 +1,6 @@
 //! The files that the STEP and IGES writers write.
 
+mod assembly;
 mod bodies;
 mod exact;
 mod exact_solids;
@@ -62,6 +63,8 @@ fn example_files() {
             fs::write(directory.join(format!("{stem}-{end}")), iges_file(&brep, form)).unwrap();
         }
     }
+    fs::write(directory.join("assembly.step"), assembly::file(Schema::Ap242)).unwrap();
+    fs::write(directory.join("assembly-ap203.step"), assembly::file(Schema::Ap203)).unwrap();
     for (stem, brep) in [
         ("sheet", model::one_face("Größe 'A' 😀")),
         ("pair", model::two_faces("pair")),

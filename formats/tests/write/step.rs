@@ -146,7 +146,7 @@ fn poles_read_back_to_the_last_bit() {
 #[test]
 fn names_are_escaped() {
     let file = step_file(&model::one_face("Größe 'A' \\ 😀"), Schema::Ap214);
-    let name = r"'Gr\X2\00F600DF\X0\e ''A'' \\ \X4\0001F600\X0\'";
+    let name = r"'Gr\X2\00F600DF\X0\e \X\27A\X\27 \\ \X4\0001F600\X0\'";
     let bodies = entities(&file);
     assert!(all(&bodies, "PRODUCT")[0].starts_with(&format!("{name},{name},")));
     assert!(all(&bodies, "SHELL_BASED_SURFACE_MODEL")[0].starts_with(name));

@@ -33,12 +33,12 @@ impl From<Unit> for LengthUnit {
     }
 }
 
-/// Where the result lies if a cloud is far from zero.
+/// Where the result lies if a scan is far from zero.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Origin {
     /// Near zero; the report and the file say from where its coordinates are measured
     Local,
-    /// Where the cloud is
+    /// Where the scan is
     Keep,
 }
 
@@ -54,7 +54,7 @@ pub enum Steps {
 /// What becomes of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ShapeChoice {
-    /// A solid if the scan is closed, or if flat caps over its gaps add less than 5 % to its area;
+    /// A solid if the scan is closed, or if fillings of its gaps add less than 5 % to its area;
     /// otherwise a face if one holds the scan, and a shell if not
     Auto,
     /// One trimmed face

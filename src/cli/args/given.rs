@@ -32,7 +32,7 @@ fn values(argument: &Arg, matches: &ArgMatches) -> Vec<String> {
 }
 
 /// Options of `convert` besides those of [`Manner`] that change no file.
-const MANNER: [&str; 2] = ["progress", "no_clobber"];
+const MANNER: [&str; 3] = ["progress", "no_clobber", "end_with_input"];
 
 /// The words of a `convert` that makes the same files. Options that change no file are omitted.
 pub(crate) fn convert_again(matches: &ArgMatches) -> Vec<String> {

@@ -1,12 +1,13 @@
 //! The options that `convert` and `batch` share.
 
 use clap::Args;
+use scan2step::EdgeChoice;
 
 use super::choices::{Fit, Iges, Map, OutlineChoice, ShapeChoice, StepSchema, SurfacesChoice};
 use super::colour::Colour;
 use super::headings::{ACCURACY, DETAILS, FILES, HOLES, RUN, SCAN, SHAPE};
-use super::numbers::{depth, extent, faces, max_net, net, percentage, positive, support};
-use super::pieces::{ComponentChoice, component};
+use super::numbers::{depth, edges, extent, faces, max_net, net, percentage, positive, support};
+use super::pieces::{ComponentChoice, PartsChoice, component, parts};
 use crate::cli::places::NamedCorners;
 
 /// Options of the conversion, which `convert` and `batch` share.
@@ -22,6 +23,10 @@ pub struct How {
     /// Leave prisms of few sides flat where a cylinder has all their corners
     #[arg(long, help_heading = SHAPE)]
     pub keep_polygons: bool,
+    /// Where exact faces end: auto, where another surface begins; an angle in degrees, also at every edge of the
+    /// mesh that turns by more; off, nowhere, so that the faces are B-splines
+    #[arg(long, value_name = "DEG|auto|off", default_value = "auto", value_parser = edges, help_heading = SHAPE)]
+    pub edges: EdgeChoice,
     /// Cut handles and tunnels whose loop is not longer, in mm, and close them; 0 cuts none
     /// [default: a few edges]
     #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true, help_heading = SHAPE)]
@@ -38,8 +43,8 @@ pub struct How {
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub outliers: f64,
     /// Largest distance of a trim loop from the measured rim, in mm; 0 follows every tooth
-    /// [default: half of the scan's median edge at the rims, or the tolerance if that is larger;
-    /// a named tolerance holds for loops, too]
+    /// [default: the scatter of the rim, up to half of the scan's median edge at the rims, or the
+    /// tolerance if that is larger; a named tolerance holds for loops, too]
     #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub rim_tolerance: Option<f64>,
     /// Where the outer boundary goes: the four sides of the surface, or a trim loop inside it,
@@ -85,6 +90,14 @@ pub struct How {
     /// piece of a clean mesh, and otherwise the largest
     #[arg(long, value_name = "auto|largest|all|N", default_value = "auto", value_parser = component, help_heading = SCAN)]
     pub component: ComponentChoice,
+    /// The parts of a file with several: keep, each once, placed as in the file; merge, all as one mesh; a number
+    /// that `inspect` lists, that part alone; name:TEXT, the places of this name, or of a path of names with " / "
+    /// between them [default: keep where all meshes are closed, and otherwise merge]
+    #[arg(long, value_name = "keep|merge|N|name:TEXT", value_parser = parts, help_heading = SCAN)]
+    pub parts: Option<PartsChoice>,
+    /// Write nothing if a part cannot be converted
+    #[arg(long, help_heading = SCAN)]
+    pub strict: bool,
     /// STEP schema
     #[arg(long, value_enum, default_value_t = StepSchema::Ap242, help_heading = FILES)]
     pub schema: StepSchema,

@@ -21,7 +21,7 @@ pub use colour::Colour;
 pub use files::{CadFile, CadKind, cad_file, report_file};
 pub use given::given;
 pub use how::{How, Manner};
-pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, Piece, Scale};
+pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, PartsChoice, Piece, Scale};
 
 use super::batch::args::Batch;
 use super::cad::part_name;
@@ -49,7 +49,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Convert one scan to one or more CAD files.
     ///
-    /// The scan is a mesh (.ply, .obj, .gltf, .glb, .stl or .off) or a cloud of points (.ply
+    /// The scan is a mesh (.ply, .obj, .gltf, .glb, .3mf, .stl or .off) or a cloud of points (.ply
     /// without faces, .xyz, .txt, .asc, .csv, .pts, .ptx, .pcd, .e57, .las or .laz), each also
     /// gzipped. The extension of an output gives its format.
     Convert(Box<Convert>),
@@ -148,6 +148,9 @@ pub(crate) struct Convert {
     pub progress: Steps,
     #[command(flatten)]
     pub manner: Manner,
+    /// End when standard input ends: a batch holds its other end.
+    #[arg(long, hide = true)]
+    pub end_with_input: bool,
     /// The words of a command that makes the same files.
     #[arg(skip)]
     pub again: Vec<String>,

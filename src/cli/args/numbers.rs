@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use clap::ValueEnum;
 use formats::LengthUnit;
+use scan2step::EdgeChoice;
 use scan2step::rules::{self, Fault};
 use scan2step::stages::smooth::Support;
 
@@ -91,6 +92,15 @@ pub(crate) fn support(text: &str) -> Result<Support, String> {
         "auto" => Ok(Support::Auto),
         "off" => Ok(Support::Off),
         length => positive(length).map(Support::Fixed),
+    }
+}
+
+/// Where exact faces end.
+pub(crate) fn edges(text: &str) -> Result<EdgeChoice, String> {
+    match text {
+        "auto" => Ok(EdgeChoice::Auto),
+        "off" => Ok(EdgeChoice::Off),
+        degrees => sound(degrees, rules::degrees).map(EdgeChoice::Degrees),
     }
 }
 

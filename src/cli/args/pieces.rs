@@ -1,7 +1,7 @@
 //! Options that choose a scan and its components.
 
 use clap::{Args, ValueHint};
-use formats::points::ReadOptions;
+use formats::points::{Columns, ReadOptions};
 use scan2step::mesh::{Choice, Components, Outer};
 use scan2step::{Builder, Options};
 
@@ -9,15 +9,19 @@ use super::choices::{Origin, Unit};
 use super::colour::Colour;
 use super::files::{InputFile, input_file};
 use super::headings::{CLOUD, RUN, SCAN};
-use super::numbers::{max_points, positive};
+use super::numbers::{extent, max_points, positive};
 use crate::cli::places::Place;
 
-/// The unit of a scan.
+/// The unit of a scan, and how its blocks are joined.
 #[derive(Debug, Args)]
 pub struct Scale {
     /// Unit of the scan's numbers [default: metres for glTF, else mm]
     #[arg(long, value_name = "UNIT", help_heading = SCAN)]
     pub units: Option<Unit>,
+    /// Join points on the rims of a mesh that are no farther from each other, in mm; 0 joins none
+    /// [default: a thousandth of the edges there]
+    #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true, help_heading = SCAN)]
+    pub weld: Option<f64>,
 }
 
 /// Options of scans that are clouds of points.
@@ -41,8 +45,15 @@ pub struct CloudArgs {
     /// Take only points with at least this intensity, in the numbers of a LAS, LAZ or E57 file
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, help_heading = CLOUD)]
     pub min_intensity: Option<f64>,
-    /// Where the result lies if a cloud is far from zero: near zero, or where the cloud is
-    #[arg(long, value_enum, default_value_t = Origin::Local, help_heading = CLOUD)]
+    /// The columns of x, y and z in a text file, counted from 1, as 2,3,4, or their names, as East,North,Up; those
+    /// of the normal may follow [default: found]
+    #[arg(long, value_name = "LIST", help_heading = CLOUD)]
+    pub columns: Option<Columns>,
+    /// Take a mesh by its points alone, as a cloud: meshes of one surface that overlap become one
+    #[arg(long, help_heading = SCAN)]
+    pub remesh: bool,
+    /// Where the result lies if the scan is far from zero: near zero, or where the scan is
+    #[arg(long, value_enum, default_value_t = Origin::Local, help_heading = SCAN)]
     pub origin: Origin,
 }
 
@@ -112,7 +123,24 @@ pub struct Look {
 impl CloudArgs {
     /// What is read of the file.
     pub(crate) fn reading(&self) -> ReadOptions {
-        ReadOptions { classes: self.classes.clone(), min_intensity: self.min_intensity }
+        ReadOptions {
+            classes: self.classes.clone(),
+            min_intensity: self.min_intensity,
+            columns: self.columns.clone(),
+        }
+    }
+
+    /// A sentence for each option of reading that was named and does not matter for a mesh.
+    pub(crate) fn unused_in_mesh(&self) -> impl Iterator<Item = &'static str> {
+        let options = [
+            (!self.classes.is_empty(), "--class has no effect: the scan is a mesh, not a cloud"),
+            (
+                self.min_intensity.is_some(),
+                "--min-intensity has no effect: the scan is a mesh, not a cloud",
+            ),
+            (self.columns.is_some(), "--columns has no effect: the scan is a mesh, not a cloud"),
+        ];
+        options.into_iter().filter(|(is_named, _)| *is_named).map(|(_, sentence)| sentence)
     }
 
     /// The options of the library that they stand for, with the unit that was named.
@@ -121,6 +149,8 @@ impl CloudArgs {
             .within(crop.within)
             .above(crop.above)
             .without_plane(crop.remove_plane)
+            .weld(scale.weld)
+            .remesh(self.remesh)
             .spacing(self.spacing)
             .max_points(self.max_points)
             .scan_number(self.scan_number)
@@ -167,5 +197,26 @@ pub(crate) fn one_component(text: &str) -> Result<Choice, String> {
         Ok(ComponentChoice::Auto | ComponentChoice::Largest) => Ok(Choice::Largest),
         Ok(ComponentChoice::Number(n)) => Ok(Choice::Number(n)),
         _ => Err("not largest or a number".into()),
+    }
+}
+
+/// What becomes of the parts of a file with several.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PartsChoice {
+    Keep,
+    Merge,
+    Number(usize),
+    Name(String),
+}
+
+pub fn parts(text: &str) -> Result<PartsChoice, String> {
+    match (text, text.strip_prefix("name:")) {
+        ("keep", _) => Ok(PartsChoice::Keep),
+        ("merge", _) => Ok(PartsChoice::Merge),
+        (_, Some(name)) if !name.is_empty() => Ok(PartsChoice::Name(name.to_owned())),
+        _ => {
+            let number = text.parse().map(PartsChoice::Number);
+            number.map_err(|_| "not keep, merge, a number or name:TEXT".into())
+        }
     }
 }

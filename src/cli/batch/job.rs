@@ -65,7 +65,9 @@ impl Job {
             temp_files::folder(folder).map_err(|e| output::failed(folder, e))?;
         }
         let mut command = Command::new(&self.program);
-        command.args(["convert", "--quiet", "--color=never"]).args(&self.options);
+        command
+            .args(["convert", "--quiet", "--color=never", "--end-with-input"])
+            .args(&self.options);
         command.args(self.threads.map(|n| format!("--threads={n}")));
         command.args(self.memory.map(|bytes| format!("--max-memory={bytes}")));
         for file in reports.iter().map(|file| self.out.join(file)).chain([report.clone()]) {

@@ -25,6 +25,7 @@ use summary::{Row, Status};
 pub(crate) fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
     let folder = args.out.join(record::FOLDER);
     let (scans, left_out) = scans::find(&args.scans, &args.out)?;
+    scans.iter().for_each(|scan| output::protect(&scan.path));
     // The user named the folder that holds it.
     temp_files::folder(&folder).map_err(|e| output::failed(&args.out, e))?;
     let job = job(args, matches)?;

@@ -130,7 +130,9 @@ impl Output {
 impl Figures {
     /// The figures in the report of `convert`.
     pub fn of(report: &Value) -> Figures {
-        let parts = match report.get("components").and_then(Value::as_array) {
+        // An assembly has parts, and a scan may have several components.
+        let several = ["parts", "components"].iter().find_map(|key| report.get(key)?.as_array());
+        let parts = match several {
             Some(parts) => parts.iter().collect(),
             None => vec![report],
         };

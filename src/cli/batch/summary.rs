@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
-use scan2step::words::{plural, significant};
+use scan2step::words::{plural, printable, significant};
 use serde::Serialize;
 use serde_json::json;
 use tabled::builder::Builder;
@@ -147,6 +147,14 @@ fn nets(r: Option<&Record>) -> String {
     nets.collect::<Vec<_>>().join(" ")
 }
 
+/// A text as a cell of a table. Spreadsheets take one that begins with some signs for a formula, and run it; an
+/// apostrophe before it tells them that it is text.
+fn cell(text: &str) -> String {
+    let text = printable(text);
+    let is_formula = text.starts_with(['=', '+', '-', '@']);
+    if is_formula { format!("'{text}") } else { text.into_owned() }
+}
+
 fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(to);
     csv.write_record([
@@ -174,7 +182,7 @@ fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
         let outputs = r.iter().flat_map(|r| &r.outputs);
         let outputs = outputs.map(|o| format!("{}={}", o.file, o.sha256));
         csv.write_record([
-            row.scan.path.display().to_string(),
+            cell(&row.scan.path.display().to_string()),
             row.status.name().into(),
             number(r.map(|r| r.exit_code)),
             number(r.map(|r| r.seconds)),
@@ -185,10 +193,10 @@ fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
             number(f.and_then(|f| f.max_mm)),
             number(f.and_then(|f| f.tolerance_mm)),
             number(f.and_then(|f| f.holes)),
-            number(r.and_then(|r| r.error.as_ref())),
-            outputs.collect::<Vec<_>>().join(";"),
-            number(r.and_then(|r| r.help.as_ref())),
-            r.map_or(String::new(), |r| r.hints.join("; ")),
+            cell(&number(r.and_then(|r| r.error.as_ref()))),
+            cell(&outputs.collect::<Vec<_>>().join(";")),
+            cell(&number(r.and_then(|r| r.help.as_ref()))),
+            cell(&r.map_or(String::new(), |r| r.hints.join("; "))),
             number(f.and_then(|f| f.units.as_ref())),
             number(f.and_then(|f| f.units_assumed)),
         ])?;
@@ -206,7 +214,7 @@ pub(crate) fn table(rows: &[Row]) -> String {
         let f = r.map(|r| &r.figures);
         let length = |x: Option<f64>| x.map_or(String::new(), significant);
         table.push_record([
-            row.scan.path.display().to_string(),
+            printable(&row.scan.path.display().to_string()).into_owned(),
             row.status.name().into(),
             r.map_or(String::new(), |r| format!("{:.1}", r.seconds)),
             made(r),

@@ -2,7 +2,7 @@
 
 use formats::LengthUnit;
 
-use super::{Options, SurfaceChoice};
+use super::{EdgeChoice, Options, SurfaceChoice};
 use crate::convert::{Cut, ScanPlace, TargetShape};
 use crate::error::Result;
 use crate::geometry::Point;
@@ -72,7 +72,7 @@ impl Builder {
         self
     }
 
-    /// Whether the face of a cloud that is far from the origin lies where the cloud is. Without:
+    /// Whether the face of a scan that is far from the origin lies where the scan is. Without:
     /// it lies near the origin, which CAD programs need to keep its digits.
     pub fn keeps_origin(mut self, keeps: bool) -> Self {
         self.0.keeps_origin = keeps;
@@ -187,6 +187,19 @@ impl Builder {
         self
     }
 
+    /// Points of a mesh's rims that are no farther from each other, in mm, are one point. At 0 none are. Without: those
+    /// that are far nearer to each other than the edges there. Points that are equal but for rounding are always one.
+    pub fn weld(mut self, mm: impl Into<Option<f64>>) -> Self {
+        self.0.weld = mm.into().map_or(mesh::SeamWidth::Auto, mesh::SeamWidth::Fixed);
+        self
+    }
+
+    /// A mesh is taken by its points alone, as a cloud is. Meshes of one surface that overlap become one.
+    pub fn remesh(mut self, on: bool) -> Self {
+        self.0.remesh = on;
+        self
+    }
+
     /// What components become: faces, shells or solids. Those that are voids in a solid are found. Without, the
     /// shape that suits them.
     pub fn shape(mut self, shape: impl Into<Option<TargetShape>>) -> Self {
@@ -204,6 +217,12 @@ impl Builder {
     /// Whether prisms of few sides stay flat where a cylinder has all their corners.
     pub fn keep_polygons(mut self, keeps: bool) -> Self {
         self.0.keep_polygons = keeps;
+        self
+    }
+
+    /// Where exact faces end. [`EdgeChoice::Off`] asks for B-spline faces.
+    pub fn edges(mut self, edges: EdgeChoice) -> Self {
+        self.0.edges = edges;
         self
     }
 

@@ -35,9 +35,11 @@ pub struct Options {
     pub(crate) unit_mm: Option<f64>,
     pub(crate) cloud: cloud::Options,
     pub(crate) keeps_origin: bool,
+    pub(crate) remesh: bool,
     pub(crate) component: mesh::Choice,
     pub(crate) all_components: bool,
     pub(crate) handles: Option<f64>,
+    pub(crate) weld: mesh::SeamWidth,
     pub(crate) outer: mesh::Outer,
     pub(crate) smooth: smooth::Options,
     pub(crate) fill: fill::Options,
@@ -46,6 +48,7 @@ pub struct Options {
     pub(crate) shape: Option<TargetShape>,
     pub(crate) surfaces: SurfaceChoice,
     pub(crate) keep_polygons: bool,
+    pub(crate) edges: EdgeChoice,
     pub(crate) faces: Option<usize>,
     pub(crate) method: fit::Method,
     pub(crate) tolerance: Option<f64>,
@@ -67,6 +70,18 @@ pub enum SurfaceChoice {
     Spline,
 }
 
+/// Where exact faces end.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum EdgeChoice {
+    /// Where another surface begins.
+    #[default]
+    Auto,
+    /// Nowhere: there are no sharp edges, and so no exact faces.
+    Off,
+    /// Also at every edge of the mesh that turns by more than this angle, in degrees.
+    Degrees(f64),
+}
+
 impl Default for Options {
     fn default() -> Self {
         Options {
@@ -74,9 +89,11 @@ impl Default for Options {
             unit_mm: None,
             cloud: cloud::Options::default(),
             keeps_origin: false,
+            remesh: false,
             component: mesh::Choice::default(),
             all_components: false,
             handles: None,
+            weld: mesh::SeamWidth::Auto,
             outer: mesh::Outer::default(),
             smooth: smooth::Options::default(),
             fill: fill::Options::default(),
@@ -85,6 +102,7 @@ impl Default for Options {
             shape: None,
             surfaces: SurfaceChoice::Auto,
             keep_polygons: false,
+            edges: EdgeChoice::Auto,
             faces: None,
             method: fit::Method::default(),
             tolerance: None,
@@ -131,6 +149,7 @@ impl Options {
         let (map, default) = (&self.parameterize, parameterize::Options::default());
         let asking = [
             (self.surfaces == SurfaceChoice::Spline, "surfaces"),
+            (self.edges == EdgeChoice::Off, "edges"),
             (self.knots.net.is_some(), "net"),
             (self.knots.kappa.is_some(), "kappa"),
             (self.knots.depth.is_some(), "depth"),
@@ -233,15 +252,16 @@ impl Options {
         rims: impl Iterator<Item = &'a [Point]>,
     ) -> trim::Options {
         match self.rim_tolerance {
-            Some(rim) => trim::Options { tolerance, rim, keeps_vertices: false },
+            Some(rim) => trim::Options { tolerance, rim, least_rim: rim, keeps_vertices: false },
             None => trim::Options::of_rims(rims, tolerance, self.tolerance.is_some()),
         }
     }
 
-    /// How knots and fit are adapted to a scan with this noise.
-    pub(crate) fn adapt(&self, noise: f64) -> adapt::Options {
+    /// How knots and fit are adapted to a scan with this noise, for which a tolerance that nobody names would
+    /// stand for the noise `worth`.
+    pub(crate) fn adapt(&self, noise: f64, worth: f64) -> adapt::Options {
         let noise = if self.smooth.support == smooth::Support::Off { noise } else { 0.0 };
-        adapt::Options { knots: self.knots.clone(), method: self.method, noise }
+        adapt::Options { knots: self.knots.clone(), method: self.method, noise, worth }
     }
 
     fn check(&self) -> Result<()> {
@@ -260,9 +280,15 @@ impl Options {
         if self.shape == Some(TargetShape::Void) {
             return Err(of("shape")(rules::Fault::Void));
         }
+        if let EdgeChoice::Degrees(degrees) = self.edges {
+            rules::degrees(degrees).map_err(of("edges"))?;
+        }
         self.faces.map_or(Ok(()), rules::faces).map_err(of("faces"))?;
         self.tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
         self.handles.map_or(Ok(()), rules::extent).map_err(of("handles"))?;
+        if let mesh::SeamWidth::Fixed(length) = self.weld {
+            rules::extent(length).map_err(of("weld"))?;
+        }
         self.rim_tolerance.map_or(Ok(()), rules::extent).map_err(of("rim_tolerance"))?;
         rules::share(self.outliers).map_err(of("outliers"))?;
         if let Cut::FromLength(length) = self.cut {

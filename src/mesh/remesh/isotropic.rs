@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::flips::{EdgeFlip, Sides, flip};
 use super::{FLAT, ROUNDS, TOO_LONG, divide};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::{BLOCK, MOST_ROUNDS, Point, SAME_SIDE, Vector, VertexId, unit_normal};
 use crate::mesh::triangles::{Triangles, nearest_on};
 use crate::mesh::{Mesh, VertexRings};
@@ -15,11 +15,32 @@ use crate::progress::Progress;
 /// are joined to quads, three of these should be left.
 pub const LEAST_VALENCE: usize = 4;
 
+/// Divisions add at most so many points for each that triangles of the wanted length need. Without flips in between, a
+/// triangle of a length n takes n^1.6 points, and not n. Parts of CAD programs with long slivers need up to 4.
+const MOST_ADDED: f64 = 5.0;
+
+/// The sides may have so many wanted lengths for each point that the area needs. Parts of CAD programs have up to 3,
+/// and a pipe of 2,000 facets that is 50 times as long as wide has 43.
+const THIN: f64 = 100.0;
+
+/// The area of a vertex in a mesh of equilateral triangles is the square of their side divided by this.
+pub const EQUILATERAL: f64 = 1.154_7;
+
 /// A closed mesh with sides of about a length. Its vertices lie on the given mesh.
 ///
 /// # Errors
-/// What `progress` returns.
+/// What `progress` returns, or that the triangles are too thin to be divided.
 pub fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Mesh> {
+    let needed = EQUILATERAL * scan.area() / length.powi(2);
+    let side = |side: usize| {
+        let (a, b) = scan.side(side);
+        ((scan.point(b) - scan.point(a)).norm() / length).floor()
+    };
+    let lengths: f64 = (0..3 * scan.triangles.len()).map(side).sum();
+    if lengths.is_nan() || lengths > THIN * needed.max(1.0) {
+        return Err(Error::Layout("its triangles are too thin and too long for their area"));
+    }
+    let most = scan.points.len() + (MOST_ADDED * needed) as usize;
     let surface = Triangles::new(scan);
     let mut points = scan.points.clone();
     let mut triangles: Vec<[usize; 3]> =
@@ -32,7 +53,7 @@ pub fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Me
         };
         // Each division halves the longest edges.
         for _ in 0..MOST_ROUNDS {
-            if divide(&mut points, &mut triangles, |_| length, usize::MAX).is_empty() {
+            if divide(&mut points, &mut triangles, |_| length, most).is_empty() {
                 break;
             }
         }
@@ -220,6 +241,15 @@ mod tests {
         let ends = (1..n - 1).flat_map(|k| [[0, k + 1, k], [n, n + k, n + k + 1]]);
         let triangles = sides.chain(ends).map(|t: [usize; 3]| t.map(VertexId::from));
         Mesh { points, triangles: triangles.collect() }
+    }
+
+    #[test]
+    fn what_is_too_thin_is_refused_before_the_work() {
+        let mut thin = cylinder();
+        thin.points.iter_mut().for_each(|p| (p.x, p.y) = (1e-9 * p.x, 1e-9 * p.y));
+        let length = (EQUILATERAL * thin.area() / 30_000.0).sqrt();
+        let made = isotropic(&thin, length, &mut crate::progress::ignore);
+        assert!(matches!(made, Err(Error::Layout(_))));
     }
 
     #[test]

@@ -8,7 +8,7 @@ mod isotropic;
 mod refine;
 mod sizes;
 
-pub use isotropic::{LEAST_VALENCE, isotropic};
+pub use isotropic::{EQUILATERAL, LEAST_VALENCE, isotropic};
 pub use refine::{RimTriangulation, divide};
 pub use sizes::Sizes;
 

@@ -21,7 +21,7 @@ impl Goal {
     }
 
     /// The standard deviation of the noise, in mm, that a tolerance which nobody named stands for.
-    pub(super) fn noise(&self) -> f64 {
+    pub(crate) fn noise(&self) -> f64 {
         self.tolerance / SIGNIFICANT
     }
 }

@@ -28,6 +28,7 @@ mod sparse;
 mod start;
 mod state;
 mod weights;
+mod work;
 
 pub use goal::Goal;
 pub use options::{KnotOptions, Options};
@@ -44,6 +45,7 @@ use attempt::Attempt;
 use moves::correct::FIRM_AREA;
 use problem::Problem;
 use run::FitRun;
+use work::Work;
 
 /// Fits a surface to the map's vertices, in mm over [0, 1]². The map's parameters are
 /// corrected, and where its triangles are sparse it gets more vertices.
@@ -70,16 +72,16 @@ pub fn fit_with(
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
     let problem = Problem::new(map, options, goal);
-    let mut run = FitRun::new(&problem, 0, progress);
+    let mut run = FitRun::new(&problem, (0, Work::default()), progress);
     let (state, placed) = start::start(&problem)?;
     let best = policy::search(&mut run, state)?;
     let uv = last_parameters(&problem, &best);
     let (surface, adapted, uv) = if sparse::needs_vertices(&problem, &best, &uv) {
-        let fits = run.fits;
+        let before = (run.fits, run.work);
         map.uv = uv;
         sparse::halve(map, &best.surface);
         let problem = Problem::new(map, options, goal);
-        let mut run = FitRun::new(&problem, fits, progress);
+        let mut run = FitRun::new(&problem, before, progress);
         let best = policy::go_on(&mut run, best)?;
         finish(run, best, placed)?
     } else {
@@ -106,6 +108,7 @@ fn finish(
         folds,
         mean_error: fit::mean_error(&best.surface, &best.state.samples(problem)),
         hindrance: run.hindrance,
+        is_spent: run.work.is_spent,
     };
     let uv = last_parameters(problem, &best);
     Ok((best.surface, adapted, uv))

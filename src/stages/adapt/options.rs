@@ -1,5 +1,6 @@
 //! What the user says about knots and fit.
 
+use super::Goal;
 use crate::error::{Result, of};
 use crate::rules;
 use crate::stages::fit;
@@ -24,10 +25,27 @@ pub struct KnotOptions {
 /// The largest number of control points unless one is named. CAD programs take minutes to open larger nets.
 const MAX_NET: usize = 250_000;
 
+/// The fewest measured points for a control point, unless a tolerance is named: smoothing looks at dozens of
+/// points at a time, so that finer nets find nothing left to follow.
+pub(super) const POINTS_A_CONTROL_POINT: usize = 2;
+
 impl KnotOptions {
     /// The largest number of control points.
     pub(crate) fn largest_net(&self) -> usize {
         self.max_net.unwrap_or(MAX_NET)
+    }
+
+    /// The largest number of control points for a goal and so many measured points, if nets are searched for it.
+    pub(crate) fn largest_net_for(&self, goal: &Goal, measured: usize) -> usize {
+        match goal.named || !self.are_searched() {
+            true => self.largest_net(),
+            false => self.largest_worth(measured),
+        }
+    }
+
+    /// The largest number of control points if nobody names a tolerance.
+    pub(super) fn largest_worth(&self, measured: usize) -> usize {
+        self.largest_net().min(measured / POINTS_A_CONTROL_POINT)
     }
 
     /// Whether the knots follow from the goal: the user has named neither κ nor a net.
@@ -54,4 +72,7 @@ pub struct Options {
     /// The standard deviation of the points' noise, in mm, if they were not smoothed; 0 otherwise.
     /// Outliers of noisy points are rejected, and the noise may put a named tolerance out of reach.
     pub noise: f64,
+    /// The standard deviation of the noise, in mm, for which the tolerance would stand if nobody had named one. It
+    /// bounds the work for a named tolerance; 0 sets no bound.
+    pub worth: f64,
 }

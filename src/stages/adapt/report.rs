@@ -22,6 +22,8 @@ pub struct Adapted {
     /// The standard deviation of the noise, in mm, if only a surface that follows the noise
     /// would keep the named tolerance. Knots were then inserted no further.
     pub hindrance: Option<f64>,
+    /// Whether the work for the named tolerance came to its bound: about three times that of a run without one.
+    pub is_spent: bool,
 }
 
 impl Adapted {

@@ -5,6 +5,7 @@ use super::moves::correct::FIRM_AREA;
 use super::moves::tangent;
 use super::problem::Problem;
 use super::state::State;
+use super::work::Work;
 use crate::error::Result;
 use crate::progress::Progress;
 use crate::stages::fit;
@@ -18,6 +19,8 @@ pub(crate) struct FitRun<'a> {
     pub problem: &'a Problem<'a>,
     /// How many fits were made.
     pub fits: usize,
+    /// The work that they took.
+    pub work: Work,
     idle_steps: usize,
     /// The standard deviation of the noise, in mm, if it keeps surfaces from a named tolerance.
     pub hindrance: Option<f64>,
@@ -25,9 +28,13 @@ pub(crate) struct FitRun<'a> {
 }
 
 impl<'a> FitRun<'a> {
-    /// A run that goes on after so many `fits` to another map.
-    pub fn new(problem: &'a Problem<'a>, fits: usize, progress: &'a mut Progress<'a>) -> Self {
-        FitRun { problem, fits, idle_steps: 0, hindrance: None, progress }
+    /// A run that goes on after so many `fits` and so much `work` on another map.
+    pub fn new(
+        problem: &'a Problem<'a>,
+        (fits, work): (usize, Work),
+        progress: &'a mut Progress<'a>,
+    ) -> Self {
+        FitRun { problem, fits, work, idle_steps: 0, hindrance: None, progress }
     }
 
     /// Fits a surface to a state.
@@ -48,6 +55,7 @@ impl<'a> FitRun<'a> {
             let last = attempt.corrected(problem, FIRM_AREA);
             problem.stay_at_loops(&attempt.surface, &last, &mut attempt.foot_points);
         }
+        self.work.count(problem, &attempt);
         Ok(attempt)
     }
 }

@@ -9,6 +9,7 @@
 
 mod close;
 mod grid;
+mod layers;
 mod manifold;
 mod nearest_lists;
 mod noise;
@@ -21,6 +22,7 @@ mod scattered;
 mod select;
 mod sides;
 mod thin;
+mod two_layers;
 mod voronoi;
 mod votes;
 
@@ -74,6 +76,8 @@ pub struct Report {
     /// The standard deviation of the points' noise along the normal. The vertices of the soup have
     /// less.
     pub noise: f64,
+    /// The distance between two layers of points, of which each has a surface of its own.
+    pub layers: Option<f64>,
     /// The number of neighbours from which the surface at a point was found.
     pub neighbours: usize,
     /// The vertices of the soup.

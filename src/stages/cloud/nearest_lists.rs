@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::CHUNK;
+use super::layers::{AROUND, AreJoined, LayerSearch, Layers};
 use super::project::SurfacePoint;
 use crate::geometry::Point;
 use crate::mesh::Neighbours;
@@ -14,15 +15,38 @@ pub(super) struct NearestLists {
 }
 
 impl NearestLists {
-    /// Lists the `k` nearest of `points`, which `near` searches. There must be more than `k`.
-    pub fn new(points: &[Point], near: &Neighbours, k: usize) -> Self {
-        let mut flat = vec![0; points.len() * k];
+    /// Lists the `k` nearest of `points` in the layer of each. There must be more than `k`.
+    pub fn new(points: &[Point], layers: &Layers<'_>, k: usize) -> Self {
+        Self::filled(points.len(), k, |search: &mut LayerSearch, own, list| {
+            layers.list(own, k, search);
+            list.copy_from_slice(&search.list);
+        })
+    }
+
+    /// Lists the `k` nearest of `points`, with `are_joined` only those that it joins. There are fewer where few are
+    /// joined, and the rest of a list is the point itself.
+    pub fn of_joined(points: &[Point], k: usize, are_joined: Option<&AreJoined<'_>>) -> Self {
+        let near = Neighbours::new(points);
+        let looked_at = if are_joined.is_some() { AROUND * k } else { k };
+        Self::filled(points.len(), k, |found: &mut Vec<(u32, f64)>, own, list| {
+            near.nearest_n(points[own], looked_at + 1, found);
+            let others = found.iter().map(|&(other, _)| other).filter(|&o| o as usize != own);
+            let kept = others.filter(|&other| are_joined.is_none_or(|joined| joined(own, other)));
+            let filled = kept.chain(std::iter::repeat(own as u32));
+            list.iter_mut().zip(filled).for_each(|(place, other)| *place = other);
+        })
+    }
+
+    fn filled<S: Default>(
+        count: usize,
+        k: usize,
+        fill: impl Fn(&mut S, usize, &mut [u32]) + Sync,
+    ) -> Self {
+        let mut flat = vec![0; count * k];
         flat.par_chunks_mut(CHUNK * k).enumerate().for_each(|(chunk, lists)| {
-            let mut found = Vec::new();
+            let mut search = S::default();
             for (own, list) in (chunk * CHUNK..).zip(lists.chunks_exact_mut(k)) {
-                near.nearest_n(points[own], k + 1, &mut found);
-                let others = found.iter().map(|&(other, _)| other).filter(|&o| o as usize != own);
-                list.iter_mut().zip(others).for_each(|(place, other)| *place = other);
+                fill(&mut search, own, list);
             }
         });
         NearestLists { flat, k }

@@ -3,16 +3,16 @@
 //! Both are measured at a sample of the points, and the median over the sample counts. Outliers and
 //! edges of the object are at few of these places and do not change it.
 
+use super::layers::{LayerSearch, Layers};
 use super::nearest_lists::NearestLists;
 use super::project::{SurfacePoint, farthest, first};
 use super::quadric::QuadricRows;
 use crate::geometry::Point;
-use crate::mesh::Neighbours;
 use crate::statistics::{MeanSquare, median, quantile};
 
 /// The numbers of neighbours that are tried, fewest first. 24 smooth little; with 96 the noise may
 /// be larger than the spacing.
-const COUNTS: [usize; 3] = [24, 48, 96];
+pub(super) const COUNTS: [usize; 3] = [24, 48, 96];
 
 /// The radius of a neighbourhood must be this many standard deviations of the noise. Below 4 the
 /// points are a ball and not a disk, and normals are lost; more smooths more than is needed.
@@ -27,10 +27,10 @@ const PLACES: usize = 4000;
 /// The number of neighbours that the noise asks for. More are taken as long as the neighbourhood is
 /// too narrow for the noise and grows faster than the residuals. Residuals that grow faster are not
 /// noise: the shape of a coarse scan is too curved for a quadric.
-pub(super) fn neighbour_count(points: &[Point], near: &Neighbours) -> usize {
+pub(super) fn neighbour_count(points: &[Point], layers: &Layers<'_>) -> usize {
     let mut best = (COUNTS[0], 0.0);
     for count in COUNTS {
-        let Some(radius) = relative_radius(points, near, count) else { break };
+        let Some(radius) = relative_radius(points, layers, count) else { break };
         if radius <= best.1 {
             break;
         }
@@ -44,16 +44,15 @@ pub(super) fn neighbour_count(points: &[Point], near: &Neighbours) -> usize {
 
 /// The radius of neighbourhoods of `count` points in standard deviations of their noise. A share of
 /// [`NARROW`] has a smaller one. `None` if there is no noise.
-fn relative_radius(points: &[Point], near: &Neighbours, count: usize) -> Option<f64> {
-    let (mut found, mut rows) = (Vec::new(), QuadricRows::default());
+fn relative_radius(points: &[Point], layers: &Layers<'_>, count: usize) -> Option<f64> {
+    let (mut search, mut rows) = (LayerSearch::default(), QuadricRows::default());
     let mut ratios = Vec::new();
     for i in sample(points.len()) {
         let own = points[i];
-        near.nearest_n(own, count + 1, &mut found);
-        let others = found.iter().map(|f| f.0).filter(|&j| j as usize != i);
-        let list: Vec<u32> = others.take(count).collect();
-        let radius = farthest(own, points, &list);
-        let surface = first(own, points, &list, &mut rows);
+        layers.list(i, count, &mut search);
+        let list = &search.list;
+        let radius = farthest(own, points, list);
+        let surface = first(own, points, list, &mut rows);
         let others = list.iter().map(|&j| points[j as usize]);
         let variance = rows.variance(surface.place, surface.normal, radius, others);
         ratios.extend(variance.map(|v| radius / v.sqrt()));

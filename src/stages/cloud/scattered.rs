@@ -2,6 +2,7 @@
 
 use formats::{Points, Soup};
 
+use super::layers::{self, AreJoined, Layers};
 use super::manifold::ManifoldMesh;
 use super::nearest_lists::NearestLists;
 use super::order::Ordered;
@@ -33,6 +34,8 @@ struct SurfacePoints {
     surface: Vec<SurfacePoint>,
     /// Points that belong to no surface.
     outlier: Vec<bool>,
+    /// The distance between layers, if there are several.
+    layers: Option<f64>,
     /// Outliers, and other points with which the noise should not be measured.
     suspect: Vec<bool>,
 }
@@ -50,7 +53,7 @@ pub(super) fn triangulate(
             if points.len() > 1 { CloudFault::Few(points.len()) } else { CloudFault::OnePlace };
         return Err(Error::Cloud(fault));
     }
-    let found = SurfacePoints::new(&ordered, progress)?;
+    let found = SurfacePoints::new(cloud, &ordered, progress)?;
     let deviation = noise::deviation(points, &found.lists, &found.surface, &found.suspect);
     let apart = options.spacing.map_or(0.0, |spacing| ordered.frame.work_length(spacing));
     let kept = KeptPoints::new(
@@ -68,6 +71,7 @@ pub(super) fn triangulate(
         outliers: found.outlier.iter().filter(|is| **is).count(),
         spacing: ordered.frame.length(spacing),
         noise: ordered.frame.length(deviation),
+        layers: found.layers.map(|distance| ordered.frame.length(distance)),
         neighbours: found.lists.count(),
         ..Report::default()
     };
@@ -79,21 +83,27 @@ pub(super) fn triangulate(
     let vertices = found.again(points, &kept.points);
     let is_smooth = deviation > MOST_ROUGH * spacing;
     let measured = if is_smooth { Vec::new() } else { measured(points, &kept, &vertices) };
-    drop(found);
+    let SurfacePoints { layers, lists, .. } = found;
+    // Only layers need the lists any longer.
+    let lists = layers.map(|_| lists);
     progress(7.0 / 10.0)?;
-    let mut mesh = mesh_of(&vertices, &mut report, progress)?;
+    let mut mesh = mesh_of(&vertices, (&kept, lists.as_ref()), &mut report, progress)?;
     sides::face_scanner(&mut mesh, cloud, &ordered.first, &kept.points);
     Ok(finished(cloud, &ordered, (&kept, &measured), &mesh, report))
 }
 
 impl SurfacePoints {
     /// Projects points onto their surface, and finds outliers.
-    fn new(ordered: &Ordered, progress: &mut Progress) -> Result<Self> {
+    fn new(cloud: &Points, ordered: &Ordered, progress: &mut Progress) -> Result<Self> {
         let points = &ordered.points;
         let near = Neighbours::new(points);
-        let count = noise::neighbour_count(points, &near);
+        let few = noise::COUNTS[0];
+        let facing = sides::facing(cloud, ordered, &near, few);
+        let layers = Layers::new(points, &near, facing, few);
+        let count = noise::neighbour_count(points, &layers);
         progress(1.0 / 10.0)?;
-        let lists = NearestLists::new(points, &near, count);
+        let lists = NearestLists::new(points, &layers, count);
+        let layers = layers.distance;
         drop(near);
         progress(3.0 / 10.0)?;
         let spacing = outliers::spacings(points, &lists);
@@ -112,7 +122,7 @@ impl SurfacePoints {
             return Err(Error::Cloud(CloudFault::Outliers { outliers, points: points.len() }));
         }
         progress(0.5)?;
-        Ok(SurfacePoints { lists, spacing, surface, outlier, suspect })
+        Ok(SurfacePoints { lists, layers, spacing, surface, outlier, suspect })
     }
 
     /// The median spacing of the projected points. That of the measured ones is larger, because it
@@ -154,10 +164,15 @@ fn share(values: impl ExactSizeIterator<Item = bool>) -> f64 {
 /// The mesh of the triangles on which the vertices agree.
 fn mesh_of(
     vertices: &[SurfacePoint],
+    (kept, lists): (&KeptPoints, Option<&NearestLists>),
     report: &mut Report,
     progress: &mut Progress,
 ) -> Result<Mesh> {
-    let stars = VoronoiStars::new(vertices);
+    let point = |v: usize| kept.points[v];
+    let joined = lists.map(|lists| {
+        move |v: usize, w: u32| layers::are_joined(lists, point(v), point(w as usize))
+    });
+    let stars = VoronoiStars::new(vertices, joined.as_ref().map(|joined| joined as &AreJoined<'_>));
     progress(8.0 / 10.0)?;
     let elected = votes::elect(&stars, vertices);
     drop(stars);

@@ -1,10 +1,13 @@
 //! Which side of the surface is outside: the one that the scanner saw.
 
 use formats::Points;
+use rayon::prelude::*;
 
-use crate::geometry::Vector;
+use super::order::Ordered;
+use super::quadric::PrincipalPlane;
 use crate::geometry::sets::Sets;
-use crate::mesh::Mesh;
+use crate::geometry::{SAME_SIDE, Vector};
+use crate::mesh::{Mesh, Neighbours};
 
 /// Turns each component of a mesh so that most of its vertices face the place of their scanner or,
 /// without one, agree with the normals of the file. Vertex `v` stands for the point
@@ -27,6 +30,39 @@ pub(super) fn face_scanner(mesh: &mut Mesh, cloud: &Points, cloud_point: &[u32],
             t.swap(1, 2);
         }
     }
+}
+
+/// The direction that each point faces: the file's normal, or else the normal of the `count` nearest points on the side
+/// of the scanner. It is zero where a scanner looked along the surface. `None` if the file has no normals, and one
+/// scanner has seen all.
+pub(super) fn facing(
+    cloud: &Points,
+    ordered: &Ordered,
+    near: &Neighbours,
+    count: usize,
+) -> Option<Vec<Vector>> {
+    if let Some(normals) = &cloud.normals {
+        let of = |&first: &u32| {
+            let normal = normals.get(first as usize).copied().unwrap_or_default();
+            Vector::from(normal.map(f64::from)).try_normalize(0.0).unwrap_or_else(Vector::zeros)
+        };
+        return Some(ordered.first.iter().map(of).collect());
+    }
+    if cloud.scans.iter().filter(|scan| scan.viewpoint.is_some()).count() < 2 {
+        return None;
+    }
+    let of = |found: &mut Vec<(u32, f64)>, i: usize| {
+        let scanner = outward(cloud, ordered.first[i] as usize)
+            .and_then(|to_scanner| to_scanner.try_normalize(0.0))
+            .unwrap_or_else(Vector::zeros);
+        let own = ordered.points[i];
+        near.nearest_n(own, count + 1, found);
+        let around = found.iter().map(|&(j, _)| (1.0, ordered.points[j as usize] - own));
+        let normal = PrincipalPlane::fit(around).normal;
+        let side = normal.dot(&scanner);
+        if side.abs() < SAME_SIDE { Vector::zeros() } else { side.signum() * normal }
+    };
+    Some((0..ordered.points.len()).into_par_iter().map_init(Vec::new, of).collect())
 }
 
 /// A direction on the outer side of the surface at a point, if the cloud tells one.

@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::CHUNK;
+use super::layers::AreJoined;
 use super::nearest_lists::NearestLists;
 use super::project::SurfacePoint;
 use crate::geometry::{NONE, Point, SAME_SIDE, plane_axes};
-use crate::mesh::Neighbours;
 use crate::statistics::median;
 
 /// The number of neighbours that may have a part of the cell's outline. 20 reach beyond the second
@@ -41,12 +41,12 @@ pub(super) struct VoronoiStars {
 pub(super) const TRIANGLE: u32 = 1 << 31;
 
 impl VoronoiStars {
-    /// Computes the stars of all vertices.
-    pub fn new(vertices: &[SurfacePoint]) -> Self {
+    /// Computes the stars of all vertices. `are_joined` says whether two of them are in one layer, if there are several.
+    pub fn new(vertices: &[SurfacePoint], are_joined: Option<&AreJoined<'_>>) -> Self {
         let places: Vec<Point> = vertices.iter().map(|v| v.place).collect();
         // Sheets of fewer vertices than that may remain of many points.
         let count = NEIGHBOURS.min(places.len().saturating_sub(1));
-        let lists = NearestLists::new(&places, &Neighbours::new(&places), count);
+        let lists = NearestLists::of_joined(&places, count, are_joined);
         let numbers = || (0..places.len()).into_par_iter().with_min_len(CHUNK);
         let spacing: Vec<f64> = numbers().map(|i| ring_distance(i, &places, &lists)).collect();
         let star = |cell: &mut VoronoiCell, i: usize| {

@@ -5,7 +5,7 @@ use super::base::TrianglePlace;
 use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::mls::smoothed_normals;
-use crate::mesh::remesh::isotropic;
+use crate::mesh::remesh::{EQUILATERAL, isotropic};
 use crate::mesh::{EdgeMap, Mesh, VertexRings};
 use crate::progress::Progress;
 
@@ -22,9 +22,6 @@ pub(super) struct Ground {
 /// points thin parts of adaptive meshes are lost, and more only take time.
 const FINER: usize = 5;
 const POINTS: [usize; 2] = [30_000, 100_000];
-
-/// The area of a vertex in a mesh of equilateral triangles is the square of their side divided by this.
-const EQUILATERAL: f64 = 1.154_7;
 
 /// The most triangles that a step crosses. Steps are about as long as a quad.
 const MOST_CROSSED: usize = 500;

@@ -59,7 +59,7 @@ impl Claims {
     pub(super) fn beside(&self, evidence: &ExactFacets, region: usize) -> Vec<usize> {
         let mut beside: Vec<usize> = Vec::new();
         for &f in &self.regions[region].units {
-            for b in &evidence.facets.get(f).borders {
+            for b in evidence.facets.get(f).borders.iter().filter(|b| !b.is_sharp) {
                 let other = self.of[b.facet as usize];
                 if other != NONE && other as usize != region {
                     beside.push(other as usize);

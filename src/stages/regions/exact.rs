@@ -1,6 +1,6 @@
 //! The evidence of a clean mesh: facets whose corners lie on the surface within the rounding of the file.
 
-use super::facets::{Facet, FacetMesh};
+use super::facets::{Border, Facet, FacetMesh};
 use super::growth::{Evidence, GrownRegion};
 use super::tessellation::{MOST_ERRORS, SLIVER, Tessellation};
 use crate::geometry::Vector;
@@ -42,7 +42,8 @@ impl Evidence for ExactFacets<'_> {
     }
 
     fn neighbours(&self, unit: u32, visit: &mut dyn FnMut(u32)) {
-        let open = self.facets.get(unit).borders.iter().filter(|b| !self.closed[b.facet as usize]);
+        let is_open = |b: &&Border| !b.is_sharp && !self.closed[b.facet as usize];
+        let open = self.facets.get(unit).borders.iter().filter(is_open);
         open.for_each(|b| visit(b.facet));
     }
 

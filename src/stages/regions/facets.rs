@@ -8,8 +8,10 @@ use crate::geometry::{NONE, Point, Vector, plane_axes};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Border {
     pub(super) facet: u32,
-    /// The angle between the normals.
+    /// The angle between the normals. At an edge that is sharp on demand it is at least [`CREASE`].
     pub(super) dihedral: f64,
+    /// Whether no region may reach across it.
+    pub(super) is_sharp: bool,
     /// The length of the common edges.
     pub(super) length: f64,
     /// The common edges, as a range of [`FacetMesh::sides`].
@@ -52,7 +54,12 @@ pub(super) struct FacetMesh {
     /// For each triangle its facet.
     pub(super) of: Vec<u32>,
     sides: Vec<u32>,
+    /// Edges that turn by more are sharp.
+    sharp: f64,
 }
+
+/// An angle of creases: no curved face turns by so much from a facet to the next.
+const CREASE: f64 = std::f64::consts::FRAC_PI_2;
 
 /// A facet with so many corners is flat for sure. Four can be a strip of a ruled surface.
 const FLAT_CORNERS: usize = 5;
@@ -61,13 +68,14 @@ const FLAT_CORNERS: usize = 5;
 const REFIT_GROWTH: f64 = 1.6;
 
 impl FacetMesh {
-    pub(super) fn of(mesh: &Tessellation) -> Self {
+    /// The facets of a mesh. No region reaches across an edge that turns by more than `sharp`.
+    pub(super) fn of(mesh: &Tessellation, sharp: f64) -> Self {
         let (mut members, mut of) = grown(mesh);
         give_slivers(mesh, &mut members, &mut of);
         let mut all: Vec<Facet> =
             members.into_iter().map(|triangles| measured(mesh, triangles, &of)).collect();
-        let sides = join(mesh, &of, &mut all);
-        FacetMesh { all, of, sides }
+        let sides = join(mesh, &of, &mut all, sharp);
+        FacetMesh { all, of, sides, sharp }
     }
 
     /// Cuts a facet into groups of its triangles. The first group keeps the number, the others get new ones, which are
@@ -92,7 +100,7 @@ impl FacetMesh {
     /// Finds the neighbours of all facets again.
     pub(super) fn rejoin(&mut self, mesh: &Tessellation) {
         self.all.iter_mut().for_each(|f| f.borders.clear());
-        self.sides = join(mesh, &self.of, &mut self.all);
+        self.sides = join(mesh, &self.of, &mut self.all, self.sharp);
     }
 
     /// The common edges of a facet and a neighbour, as sides of triangles.
@@ -283,7 +291,7 @@ fn measured(mesh: &Tessellation, triangles: Vec<u32>, of: &[u32]) -> Facet {
 }
 
 /// Finds the neighbours of all facets. Returns the common edges.
-fn join(mesh: &Tessellation, of: &[u32], all: &mut [Facet]) -> Vec<u32> {
+fn join(mesh: &Tessellation, of: &[u32], all: &mut [Facet], sharp: f64) -> Vec<u32> {
     let mut pairs: Vec<(u32, u32, u32)> = Vec::new();
     for t in 0..of.len() as u32 {
         for (other, side) in mesh.across(t) {
@@ -303,9 +311,12 @@ fn join(mesh: &Tessellation, of: &[u32], all: &mut [Facet]) -> Vec<u32> {
             let [p, q] = mesh.ends(side as usize).map(|v| mesh.point(v));
             (q - p).norm()
         });
+        let turn = sine.atan2(cosine);
+        let is_sharp = turn > sharp;
         let border = Border {
             facet: b,
-            dihedral: sine.atan2(cosine),
+            dihedral: if is_sharp { turn.max(CREASE) } else { turn },
+            is_sharp,
             length: length.sum(),
             sides: [first, first + same.len() as u32],
         };

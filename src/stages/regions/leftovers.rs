@@ -42,8 +42,8 @@ impl Claims {
                 continue;
             }
             let facet = evidence.facets.get(f);
-            let mut beside: Vec<u32> =
-                facet.borders.iter().map(|b| self.of[b.facet as usize]).collect();
+            let open = || facet.borders.iter().filter(|b| !b.is_sharp);
+            let mut beside: Vec<u32> = open().map(|b| self.of[b.facet as usize]).collect();
             beside.retain(|&r| r != NONE);
             beside.sort_unstable();
             beside.dedup();
@@ -65,7 +65,7 @@ impl Claims {
                 if !is_generous {
                     region.vertices.extend(&facet.corners);
                 }
-                let next = facet.borders.iter().map(|b| b.facet);
+                let next = open().map(|b| b.facet);
                 queue.extend(next.filter(|&f| self.of[f as usize] == NONE));
             }
         }

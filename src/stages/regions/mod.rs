@@ -59,17 +59,20 @@ pub struct Options {
     pub unit: f64,
     /// Whether prisms of five to eight sides stay flat even if the part's other faces speak for cylinders.
     pub keep_polygons: bool,
+    /// No region reaches across an edge that turns by more than this angle, in radians. Without, evidence decides.
+    pub sharp: Option<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { unit: 1.0, keep_polygons: false }
+        Options { unit: 1.0, keep_polygons: false, sharp: None }
     }
 }
 
 /// Finds the regions of a clean mesh.
 pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
-    let facets = FacetMesh::of(mesh);
+    let sharp = options.sharp.unwrap_or(f64::INFINITY);
+    let facets = FacetMesh::of(mesh, sharp);
     let count = facets.all.len();
     let mut evidence = ExactFacets { mesh, facets, slack: 1.0, closed: vec![false; count] };
     let pairs = FlatPairs::of(mesh);
@@ -92,7 +95,8 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     claims.cut(&mut evidence);
     let count = evidence.facets.all.len();
     let mut marks = RegionMarks::new(count, mesh.errors.len());
-    let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, &mut marks);
+    let keep_polygons = options.keep_polygons || sharp < prisms::WIDEST_TURN;
+    let prisms = prisms::find(&evidence, &mut claims, keep_polygons, &mut marks);
     let mut result = result::gathered(&evidence, &claims, pairs);
     result.prisms = prisms;
     result.snaps = snap::snap(mesh, &mut result, options.unit);

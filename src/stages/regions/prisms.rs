@@ -12,6 +12,9 @@ use crate::primitives::{FitOptions, OrientedPoint, Primitive, PrimitiveKind, fit
 /// The sides of prisms that may be cylinders. Four are a box; nine turn less than the most that a curved face turns.
 const SIDES: std::ops::RangeInclusive<usize> = 5..=8;
 
+/// The edges of a prism of five sides turn by so much, and those of others by less.
+pub(super) const WIDEST_TURN: f64 = TAU / 5.0;
+
 /// Turns of a regular prism are equal to this angle (rad); float32 parts of usual sizes are far better.
 const EQUAL_TURNS: f64 = 1e-3;
 

@@ -6,9 +6,12 @@ use super::growth::{Evidence, GrownRegion};
 use super::precision::FlatPairs;
 use super::prisms::Prism;
 use super::snap::Snap;
+use super::tessellation::Tessellation;
 use crate::geometry::NONE;
 use crate::geometry::sets::Sets;
-use crate::primitives::{Covariance, FitOptions, FitSample, Motions, Primitive, fit};
+use crate::primitives::{
+    Covariance, FitOptions, FitSample, Motions, Primitive, PrimitiveKind, fit,
+};
 
 /// What a region is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,30 +67,44 @@ pub struct Regions {
 pub(crate) const MOST_OF_IT: f64 = 0.5;
 
 impl Regions {
+    /// The share of the area that is on curved faces.
+    pub(crate) fn curved_share(&self, mesh: &Tessellation) -> f64 {
+        let curved = self.regions.iter().filter(|of| of.surface.kind() != PrimitiveKind::Plane);
+        let area: f64 = curved.flat_map(|of| &of.triangles).map(|&t| mesh.areas[t as usize]).sum();
+        area / mesh.areas.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+
     /// Whether the mesh is a clean tessellation most of whose area belongs to exact faces: a CAD export. False for scans,
     /// for remeshed and smoothed models, and for free-form models.
     ///
     /// Curved faces count, because each passed a test of significance. Flat ones count if they hold more vertices than
     /// a facet of a smooth surface has and the mesh has more pairs that are flat within the rounding than pairs that are
-    /// nearly so. Faces also count that have nothing but creases around them, as those of a cube. No face counts if
-    /// the pairs are those of noise.
+    /// nearly so. Faces also count that have nothing but creases and curved faces around them, as those of a cube and of a
+    /// hexagon key. No face counts if the pairs are those of noise.
     pub fn is_significant(&self) -> bool {
         self.significant > MOST_OF_IT
     }
 }
 
 /// Whether chance does not explain a region.
-fn is_significant(evidence: &ExactFacets, pairs: &FlatPairs, region: &FaceRegion) -> bool {
-    let is_crease = || {
+fn is_significant(
+    evidence: &ExactFacets,
+    claims: &Claims,
+    pairs: &FlatPairs,
+    region: &FaceRegion,
+) -> bool {
+    let is_bordered = || {
         let facet = evidence.facets.of[region.triangles[0] as usize];
         let borders = &evidence.facets.get(facet).borders;
-        !borders.is_empty() && borders.iter().all(|b| b.dihedral > MOST_TURN)
+        let ends =
+            |facet: u32, dihedral: f64| dihedral > MOST_TURN || claims.of[facet as usize] != NONE;
+        !borders.is_empty() && borders.iter().all(|b| ends(b.facet, b.dihedral))
     };
     match (region.origin, pairs.is_clean()) {
         (RegionOrigin::Facet, _) | (_, Some(false)) => false,
         (RegionOrigin::Curved, _) => true,
-        (RegionOrigin::Flat, Some(true)) => region.vertices.len() > FACET_CORNERS || is_crease(),
-        (RegionOrigin::Flat, None) => is_crease(),
+        (RegionOrigin::Flat, Some(true)) => region.vertices.len() > FACET_CORNERS || is_bordered(),
+        (RegionOrigin::Flat, None) => is_bordered(),
     }
 }
 
@@ -109,7 +126,7 @@ pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims, pairs: FlatPairs
         let area: f64 = region.triangles.iter().map(|&t| evidence.mesh.areas[t as usize]).sum();
         all += area;
         explained += if region.origin == RegionOrigin::Facet { 0.0 } else { area };
-        significant += if is_significant(evidence, &pairs, region) { area } else { 0.0 };
+        significant += if is_significant(evidence, claims, &pairs, region) { area } else { 0.0 };
     }
     let [explained, significant] =
         [explained, significant].map(|part| if all > 0.0 { part / all } else { 0.0 });

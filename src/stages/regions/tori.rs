@@ -5,7 +5,7 @@ use super::growth::{Evidence, GrownRegion};
 use super::patches;
 use super::search::{SeedSearch, TRIAL_STEPS, samples};
 use super::significance::FoundRegion;
-use crate::geometry::Point;
+use crate::geometry::{Point, range};
 use crate::primitives::{FitOptions, Primitive, PrimitiveKind, fit, with_axis};
 
 impl SeedSearch<'_> {
@@ -25,9 +25,7 @@ impl SeedSearch<'_> {
         let surface = row.surface();
         let (origin, axis) = (surface.origin(), surface.axis()?);
         let height = |f: u32| (self.evidence.facets.get(f).centre - origin).dot(&axis);
-        let heights = row.units.iter().map(|&f| height(f));
-        let ends = heights
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| [low.min(h), high.max(h)]);
+        let ends = range(row.units.iter().map(|&f| height(f)));
         let mut inside = row.units.clone();
         inside.sort_unstable();
         let mut beside = [None; 2];

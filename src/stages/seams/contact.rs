@@ -80,6 +80,12 @@ fn across(a: &Primitive, b: &Primitive, p: Point, radius: f64) -> Option<Point> 
         | (Primitive::Torus { centre, .. }, line @ Primitive::Cylinder { axis, .. }) => {
             (on_line(line, *centre)?, *axis)
         }
+        // Crossed cylinders have only the two points on the common normal.
+        (Primitive::Cylinder { axis, .. }, Primitive::Cylinder { axis: other, .. }) => {
+            let normal = axis.cross(other).try_normalize(PARALLEL)?;
+            let at = on_line(a, p)?;
+            return Some(at + radius * (p - at).dot(&normal).signum() * normal);
+        }
         (Primitive::Torus { centre: c, axis, major, .. }, Primitive::Torus { centre: d, .. }) => {
             let towards = (d - c).try_normalize(f64::MIN_POSITIVE)?;
             let sign = if (p - c).dot(&towards) < 0.0 { -1.0 } else { 1.0 };

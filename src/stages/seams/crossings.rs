@@ -1,126 +1,205 @@
-//! Loops that cross themselves or each other in the parameter plane.
+//! Edges of a face that cross in its parameter plane, by the rule that modelling kernels check solids with.
+//!
+//! Two edges may cross beside a common vertex if they run along each other from there to the crossing, to twice the
+//! precision of the kernels. Everywhere else their pcurves have no point in common.
 
 use std::collections::BTreeSet;
 
 use formats::Brep;
-use formats::brep::{BrepSurface, EdgeUse, Face, PCurve};
+use formats::brep::{BrepCurve, Edge, Face, PCurve};
 
 use super::fallback::SeamFault;
-use super::network::ChainNetwork;
+use super::network::{Chain, ChainNetwork};
+use super::pieces::{CurvePiece, are_near, pieces, place_of_lines};
+use super::{EXACT, Work};
+use crate::geometry::{Point, segment_distance};
+use crate::mesh::Mesh;
 
-/// The chords of a curve. Curves that cross between neighbouring chords nearly touch.
-const CHORDS: usize = 24;
+/// A crossing this close to a common vertex is the vertex, in mm.
+const AT_VERTEX: f64 = 1.1 * EXACT;
 
-/// Chords that meet this close to their ends, as a share of their lengths, share a vertex.
-const AT_END: f64 = 1e-6;
+/// Edges that cross beside a vertex are so close to each other up to there, in mm: kernels allow a fifth of a nanometre.
+const TOGETHER: f64 = 2.0 * EXACT;
 
-/// Ends of pcurves that are so close are one: vertices are exact to less, at a pole angles are farther apart.
-const JOINED: f64 = 1e-6;
+/// The same if one of them is a spline in the parameter plane. Kernels sample those, and do not find crossings of a quarter of a
+/// nanometre, which a real part of 74 faces has.
+const SAMPLED: f64 = 3.5 * EXACT;
 
-/// A chord of a pcurve: its ends, its place in its loop, and the edge.
-struct Chord {
-    ends: [[f64; 2]; 2],
-    ring: usize,
-    order: usize,
-    edge: usize,
-    /// The distance of the curve's middle from the chord's.
-    sagitta: f64,
+/// They are also so straight up to there, in mm: kernels find longer slivers between edges.
+const STRAIGHT: f64 = 20.0 * EXACT;
+
+/// Lines in the parameter plane cross within their ends, but for rounding of the parameters.
+const AT_END: f64 = 1e-9;
+
+/// Two pcurves that are compared at more pairs of pieces run along each other. Those that cross need a few hundred.
+const MOST_PAIRS: usize = 20_000;
+
+/// One use of an edge.
+struct UsedEdge<'a> {
+    number: usize,
+    edge: &'a Edge,
+    pcurve: &'a PCurve,
+    pieces: Vec<CurvePiece>,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+/// Two edges that cross.
+struct Crossing {
+    edges: [usize; 2],
+    at: Point,
 }
 
 /// The faults of all faces. Seams have numbers beyond those of chains.
-pub(super) fn crossings(brep: &Brep, network: &ChainNetwork, patch_of: &[usize]) -> Vec<SeamFault> {
+pub(super) fn crossings(
+    work: &Work,
+    brep: &Brep,
+    network: &ChainNetwork,
+    patch_of: &[usize],
+) -> Vec<SeamFault> {
     let mut faults = Vec::new();
     for (i, face) in brep.faces.iter().enumerate() {
-        let edges = crossed(face, &brep.surfaces[face.surface.0]);
-        if edges.is_empty() {
-            continue;
+        for crossing in crossed(brep, face) {
+            let why = "a border that crosses itself";
+            let chains: Vec<&Chain> =
+                crossing.edges.iter().filter_map(|&edge| network.chains.get(edge)).collect();
+            let sides = chains.iter().flat_map(|chain| [chain.left, chain.right]);
+            let patches: BTreeSet<usize> = sides.chain([patch_of[i]]).collect();
+            let patches: Vec<usize> = patches.into_iter().collect();
+            let vertices: Vec<u32> =
+                chains.iter().flat_map(|chain| beside(work.mesh, chain, crossing.at)).collect();
+            faults.push(SeamFault::near(&patches, &vertices, why));
         }
-        let why = "a border that crosses itself";
-        let chains: Vec<_> = edges.iter().filter_map(|&edge| network.chains.get(edge)).collect();
-        if chains.is_empty() {
-            faults.push(SeamFault::new(&[patch_of[i]], why));
-            continue;
-        }
-        let sides = chains.iter().flat_map(|chain| [chain.left, chain.right]);
-        let patches: BTreeSet<usize> = sides.chain([patch_of[i]]).collect();
-        let patches: Vec<usize> = patches.into_iter().collect();
-        let vertices: Vec<u32> =
-            chains.iter().flat_map(|chain| chain.mesh_vertices.iter().copied()).collect();
-        faults.push(SeamFault::near(&patches, &vertices, why));
     }
     faults
 }
 
-/// The edges of a face that cross others.
-fn crossed(face: &Face, surface: &BrepSurface) -> BTreeSet<usize> {
-    let mut chords = Vec::new();
-    let mut lengths = Vec::new();
-    for (ring, uses) in face.loops.iter().enumerate() {
-        let first = chords.len();
-        for of_loop in uses {
-            add_chords(of_loop, ring, &mut chords);
-        }
-        chords[first..].iter_mut().enumerate().for_each(|(n, chord)| chord.order = n);
-        lengths.push(chords.len() - first);
-    }
-    let low = |chord: &Chord| chord.ends[0][0].min(chord.ends[1][0]);
-    let high = |chord: &Chord| chord.ends[0][0].max(chord.ends[1][0]);
-    chords.sort_by(|a, b| low(a).total_cmp(&low(b)));
-    let is_plane = matches!(surface, BrepSurface::Plane { .. });
-    let mut found = BTreeSet::new();
-    for (n, a) in chords.iter().enumerate() {
-        for b in chords[n + 1..].iter().take_while(|b| low(b) <= high(a)) {
-            let apart = a.order.abs_diff(b.order);
-            let is_next = a.ring == b.ring && (apart == 1 || apart + 1 == lengths[a.ring]);
-            // Beside a pole two curves are not joined.
-            if !(is_next && (is_plane || a.edge == b.edge || meet(a, b))) && cross(a, b) {
-                found.extend([a.edge, b.edge]);
+/// The ends of the mesh edge of a chain that is closest to a place.
+fn beside(mesh: &Mesh, chain: &Chain, at: Point) -> Vec<u32> {
+    let off = |ends: &&[u32]| {
+        let [a, b] = [ends[0], ends[1]].map(|v| mesh.points[v as usize]);
+        segment_distance(at, a, b)
+    };
+    let edges = chain.mesh_vertices.windows(2);
+    edges.min_by(|a, b| off(a).total_cmp(&off(b))).map(<[u32]>::to_vec).unwrap_or_default()
+}
+
+/// The pairs of edges of a face that cross.
+fn crossed(brep: &Brep, face: &Face) -> Vec<Crossing> {
+    let uses = face.loops.iter().flatten();
+    let mut sides: Vec<UsedEdge> =
+        uses.map(|of| UsedEdge::new(of.edge.0, &brep.edges[of.edge.0], &of.pcurve)).collect();
+    sides.sort_by(|a, b| a.low[0].total_cmp(&b.low[0]));
+    let mut found = Vec::new();
+    for (n, a) in sides.iter().enumerate() {
+        let beside = sides[n + 1..].iter().take_while(|b| b.low[0] <= a.high[0]);
+        for b in beside.filter(|b| b.low[1] <= a.high[1] && a.low[1] <= b.high[1]) {
+            if a.number == b.number {
+                continue;
+            }
+            if let Some(at) = a.crossing(b, brep) {
+                found.push(Crossing { edges: [a.number, b.number], at });
             }
         }
     }
     found
 }
 
-fn meet(a: &Chord, b: &Chord) -> bool {
-    let near = |p: &[f64; 2], q: &[f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]) < JOINED;
-    a.ends.iter().any(|p| b.ends.iter().any(|q| near(p, q)))
+impl<'a> UsedEdge<'a> {
+    fn new(number: usize, edge: &'a Edge, pcurve: &'a PCurve) -> Self {
+        let pieces = pieces(pcurve);
+        let mut side =
+            UsedEdge { number, edge, pcurve, pieces, low: [f64::MAX; 2], high: [f64::MIN; 2] };
+        for piece in &side.pieces {
+            for k in 0..2 {
+                for end in piece.ends {
+                    side.low[k] = side.low[k].min(end[k] - piece.sagitta);
+                    side.high[k] = side.high[k].max(end[k] + piece.sagitta);
+                }
+            }
+        }
+        side
+    }
+
+    /// A place where two edges cross and must not.
+    fn crossing(&self, other: &UsedEdge, brep: &Brep) -> Option<Point> {
+        let common: Vec<Common> = self.common(other, brep);
+        let mut left: Vec<(CurvePiece, CurvePiece)> = Vec::new();
+        for a in &self.pieces {
+            let near = other.pieces.iter().filter(|b| are_near(a, b));
+            left.extend(near.map(|b| (*a, *b)));
+        }
+        let mut count = 0;
+        while let Some((a, b)) = left.pop() {
+            count += 1;
+            if count > MOST_PAIRS {
+                return Some(self.at(a.range[0]));
+            }
+            if common.iter().any(|of| of.holds(self, other, [a.range, b.range])) {
+                continue;
+            }
+            let (halves, others) = (a.halves(self.pcurve), b.halves(other.pcurve));
+            if halves.len() + others.len() > 2 {
+                let pairs = halves.iter().flat_map(|a| others.iter().map(move |b| (*a, *b)));
+                left.extend(pairs.filter(|(a, b)| are_near(a, b)));
+            } else if let Some([s, t]) = place_of_lines(&a, &b, AT_END)
+                && !common.iter().any(|of| of.holds(self, other, [[s; 2], [t; 2]]))
+            {
+                return Some(self.at(s));
+            }
+        }
+        None
+    }
+
+    fn at(&self, t: f64) -> Point {
+        Point::from(self.edge.curve.point(t))
+    }
+
+    /// Points of the edge from one parameter to another one.
+    fn samples(&self, from: f64, to: f64) -> [Point; 9] {
+        std::array::from_fn(|k| self.at(from + (to - from) * k as f64 / 8.0))
+    }
+
+    /// The vertices that two edges have in common, for each of their ends there.
+    fn common(&self, other: &UsedEdge, brep: &Brep) -> Vec<Common> {
+        let mut found = Vec::new();
+        for (k, vertex) in self.edge.ends.iter().enumerate() {
+            for (j, _) in other.edge.ends.iter().enumerate().filter(|end| end.1 == vertex) {
+                let of = |curve: &BrepCurve, k: usize| <[f64; 2]>::from(curve.range())[k];
+                let at = Point::from(brep.vertices[vertex.0]);
+                let parameters = [of(&self.edge.curve, k), of(&other.edge.curve, j)];
+                found.push(Common { at, parameters });
+            }
+        }
+        found
+    }
 }
 
-fn add_chords(of_loop: &EdgeUse, ring: usize, chords: &mut Vec<Chord>) {
-    let n = if matches!(of_loop.pcurve, PCurve::Line(_)) { 1 } else { CHORDS };
-    let (start, end) = of_loop.pcurve.range();
-    let at = |k: usize| of_loop.pcurve.point(start + (end - start) * k as f64 / n as f64);
-    let middle = |k: usize| {
-        let [a, b] = [at(k), at(k + 1)];
-        let p = of_loop.pcurve.point(start + (end - start) * (k as f64 + 0.5) / n as f64);
-        (p[0] - 0.5 * (a[0] + b[0])).hypot(p[1] - 0.5 * (a[1] + b[1]))
-    };
-    let edge = of_loop.edge.0;
-    let chord = |k| Chord { ends: [at(k), at(k + 1)], ring, order: 0, edge, sagitta: middle(k) };
-    let mut own: Vec<Chord> = (0..n).map(chord).collect();
-    if !of_loop.forward {
-        own.reverse();
-    }
-    chords.append(&mut own);
+/// A vertex of two edges, and their parameters there.
+struct Common {
+    at: Point,
+    parameters: [f64; 2],
 }
 
-/// Whether two chords cross inside of both, and not only because curves that touch have chords.
-fn cross(a: &Chord, b: &Chord) -> bool {
-    let minus = |p: [f64; 2], q: [f64; 2]| [p[0] - q[0], p[1] - q[1]];
-    let wedge = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
-    let (d, e) = (minus(a.ends[1], a.ends[0]), minus(b.ends[1], b.ends[0]));
-    let between = minus(b.ends[0], a.ends[0]);
-    let area = wedge(d, e);
-    if area == 0.0 {
-        return false;
+impl Common {
+    /// Whether two edges may cross within some ranges, because they run along each other from this vertex on.
+    fn holds(&self, a: &UsedEdge, b: &UsedEdge, ranges: [[f64; 2]; 2]) -> bool {
+        let far = |k: usize| {
+            let ([start, end], from) = (ranges[k], self.parameters[k]);
+            if (start - from).abs() > (end - from).abs() { start } else { end }
+        };
+        let is_sampled = [a, b].iter().any(|side| matches!(side.pcurve, PCurve::Spline(_)));
+        let together = if is_sampled { SAMPLED } else { TOGETHER };
+        let [a, b] = [(a, 0), (b, 1)].map(|(side, k)| side.samples(self.parameters[k], far(k)));
+        if a.iter().chain(&b).all(|p| (p - self.at).norm() <= AT_VERTEX) {
+            return true;
+        }
+        let is_straight =
+            |of: &[Point; 9]| of.iter().all(|p| segment_distance(*p, of[0], of[8]) <= STRAIGHT);
+        let off = |p: &Point| {
+            let parts = b.windows(2).map(|ends| segment_distance(*p, ends[0], ends[1]));
+            parts.fold(f64::INFINITY, f64::min)
+        };
+        is_straight(&a) && is_straight(&b) && a.iter().all(|p| off(p) <= together)
     }
-    let inside = AT_END..=1.0 - AT_END;
-    let heights = |of: &Chord, from: [f64; 2], along: [f64; 2]| {
-        let height = |end: [f64; 2]| wedge(along, minus(end, from)).abs();
-        of.ends.map(height).iter().copied().fold(0.0, f64::max) / along[0].hypot(along[1])
-    };
-    let deep = heights(b, a.ends[0], d).max(heights(a, b.ends[0], e));
-    inside.contains(&(wedge(between, e) / area))
-        && inside.contains(&(wedge(between, d) / area))
-        && deep > 2.0 * (a.sagitta + b.sagitta)
 }

@@ -24,6 +24,10 @@ const SPLINE: f64 = 2e-8;
 /// The most points of a spline.
 const MOST_POINTS: usize = 1500;
 
+/// So often a spline gets more points. Each time halves the pieces that are too far off, and divides their error by sixteen. What is
+/// left after so many is beside a vertex that is off the surfaces.
+const MOST_ROUNDS: usize = 20;
+
 /// The fewest exact points of a chain: enough for an ellipse and its check.
 const FEWEST_POINTS: usize = 24;
 
@@ -116,7 +120,8 @@ impl Pair<'_> {
         self.spline(points.clone(), chain.is_closed())
     }
 
-    fn worst(&self, curve: &BrepCurve) -> f64 {
+    /// The largest distance of a curve from its surfaces.
+    pub fn worst(&self, curve: &BrepCurve) -> f64 {
         samples(curve).map(|p| self.off(p)).fold(0.0, f64::max)
     }
 
@@ -140,7 +145,9 @@ impl Pair<'_> {
             }
         }
         kept.push(last);
+        let mut rounds = 0;
         loop {
+            rounds += 1;
             let mut t = vec![0.0];
             for pair in kept.windows(2) {
                 t.push(t[t.len() - 1] + (pair[1] - pair[0]).norm());
@@ -158,7 +165,8 @@ impl Pair<'_> {
                 }
                 finer.push(kept[i + 1]);
             }
-            if finer.len() == kept.len() || finer.len() > MOST_POINTS {
+            let is_done = finer.len() == kept.len() || finer.len() > MOST_POINTS;
+            if is_done || rounds == MOST_ROUNDS {
                 return Ok((BrepCurve::Spline(spline), worst));
             }
             kept = finer;
@@ -206,15 +214,16 @@ fn elementary(points: &[Point], is_closed: bool, off: f64) -> Option<BrepCurve> 
     arc_through(points, is_closed, middle, placed(arc.x), placed(arc.y), arc.radii)
 }
 
-struct PlaneArc {
-    centre: Vector2<f64>,
+/// An ellipse or a circle in a plane.
+pub(super) struct PlaneArc {
+    pub centre: Vector2<f64>,
     x: Vector2<f64>,
     y: Vector2<f64>,
-    radii: [f64; 2],
+    pub radii: [f64; 2],
 }
 
 /// The circle through points of a plane (Kåsa's fit, which is exact for exact points).
-fn circle(points: &[Vector2<f64>], tolerance: f64) -> Option<PlaneArc> {
+pub(super) fn circle(points: &[Vector2<f64>], tolerance: f64) -> Option<PlaneArc> {
     let scale = points.iter().map(|p| p.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let rows = DMatrix::from_fn(points.len(), 3, |i, k| match k {
         2 => 1.0,

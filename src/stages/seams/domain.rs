@@ -72,7 +72,7 @@ impl Work<'_> {
             _ => Vector::z(),
         };
         let mut chart = Chart::new(&surface, axis).map_err(|why| fault(&why))?;
-        if surface.kind() == PrimitiveKind::Plane {
+        if surface.kind() == PrimitiveKind::Plane || self.is_wall(i) {
             return Ok(FacePlan { chart, v: 0.0 });
         }
         let is_whole = matches!(surface.kind(), PrimitiveKind::Sphere | PrimitiveKind::Torus);

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use formats::brep::{Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId};
+use formats::spline::SplineCurve;
 
 use super::chart::{Chart, array};
 use super::domain::FacePlan;
@@ -15,6 +16,9 @@ use crate::geometry::{Point, Uv, Vector, is_inside};
 
 /// The samples of an edge that follow its parameters around the surface.
 const SAMPLES: usize = 25;
+
+/// The pieces of a line that is a B-spline. What readers lose of a face is a wedge of a quarter of a piece.
+const POLYLINE: usize = 32;
 
 /// Consecutive uses in the natural orientation of the surface, with the parameters along each of them.
 struct EdgeRun {
@@ -87,6 +91,8 @@ struct FaceSeams<'a> {
     perimeter: Perimeter,
     /// The vertices on the cuts along v and along u, by their parameter there.
     vertices: [Vec<(f64, VertexId)>; 2],
+    /// Whether the face has other edges than those of its cuts.
+    has_border: bool,
     /// The edges between two neighbouring vertices on a cut.
     edges: BTreeMap<(usize, usize, usize), (EdgeId, [f64; 2])>,
 }
@@ -153,6 +159,7 @@ impl FaceBuilder<'_> {
             chart,
             perimeter,
             vertices: [Vec::new(), Vec::new()],
+            has_border: !natural.is_empty(),
             edges: BTreeMap::new(),
         };
         let mut runs = Vec::new();
@@ -347,7 +354,12 @@ impl FaceBuilder<'_> {
                     (edge, [start, end])
                 }
             };
-            let pcurve = PCurve::line(stretch.uv(from), stretch.uv(to), (range[0], range[1]))?;
+            let uv = [stretch.uv(from), stretch.uv(to)];
+            let is_at_pole = seams.perimeter.is_pole(uv[0]) || seams.perimeter.is_pole(uv[1]);
+            let pcurve = match seams.has_border && is_at_pole {
+                true => polyline(uv, range)?,
+                false => PCurve::line(uv[0], uv[1], (range[0], range[1]))?,
+            };
             uses.push(EdgeUse { edge, forward: stretch.forward, pcurve });
         }
         if !stretch.forward {
@@ -379,6 +391,22 @@ impl FaceBuilder<'_> {
         let frame = Frame::new(centre, frame.y().map(|e| -e), towards)?;
         BrepCurve::arc(&frame, radius, v[1] - v[0])
     }
+}
+
+/// A line as a B-spline. Readers skip the first sample of an edge, as it is the last one of the edge before it. At a pole it is
+/// not, and of a line, with its two samples, half of the face would be lost to them, and with it holes or the sense of the loop.
+fn polyline(ends: [[f64; 2]; 2], range: [f64; 2]) -> Result<PCurve, String> {
+    let at = |k: usize, ends: [f64; 2]| {
+        if k == POLYLINE {
+            ends[1]
+        } else {
+            ends[0] + (ends[1] - ends[0]) * k as f64 / POLYLINE as f64
+        }
+    };
+    let poles = (0..=POLYLINE).map(|k| [0, 1].map(|d| at(k, [ends[0][d], ends[1][d]]))).collect();
+    let inner = (0..=POLYLINE).map(|k| at(k, range));
+    let knots = [range[0]].into_iter().chain(inner).chain([range[1]]).collect();
+    SplineCurve::new(1, knots, poles, None).map(PCurve::Spline)
 }
 
 /// The polygon of a loop.

@@ -93,6 +93,9 @@ impl Work<'_> {
             }
         }
         none(faults)?;
+        if self.is_open() {
+            return Ok(());
+        }
         let volume = brep.volume(ShellId(0));
         let [low, high] = self.volumes();
         if volume >= low && volume <= high {

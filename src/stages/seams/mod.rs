@@ -1,6 +1,6 @@
 //! The solid whose faces lie on known surfaces, from the triangles of each surface.
 //!
-//! The input is a closed mesh, the bounds of the errors of its vertices, and a [`FacePatch`] for each surface. The
+//! The input is a mesh, the bounds of the errors of its vertices, and a [`FacePatch`] for each surface. The
 //! output is a checked [`Brep`] with a solid for each connected part of the mesh, and a void for each part inside of another
 //! one that faces the other way. The mesh edges between two patches are chained, the chains are
 //! projected onto both surfaces, and become lines, arcs or cubic B-splines. Vertices lie on all surfaces around them.
@@ -8,8 +8,12 @@
 //! Where that fails, the triangles next to the place become flat faces, and the whole patch if it fails again.
 //! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is what modelling kernels take
 //! for exact, or the rounding of the file if that is larger. The model states it as its uncertainty.
+//!
+//! The gaps of an open mesh can be closed first ([`close_gaps`]), or it becomes a shell whose edges at the rims belong to
+//! one face each ([`open_shell`]).
 
 mod agreement;
+mod bores;
 mod chart;
 mod contact;
 mod crossings;
@@ -18,17 +22,26 @@ mod domain;
 mod faces;
 mod facets;
 mod fallback;
+mod gap_checks;
+mod gaps;
 mod guard;
 mod hermite;
 mod network;
 mod pcurves;
 mod perimeter;
+mod pieces;
+mod rims;
 mod rings;
 mod shell;
 mod shells;
+mod stretches;
+mod triangulation;
 mod vertices;
+mod walls;
 
 use formats::Brep;
+pub use gaps::{ClosedGap, ClosedMesh, GapFill, close_gaps};
+use stretches::{RimStretches, WallKind};
 
 use crate::geometry::{Point, Vector};
 use crate::mesh::{EdgeMap, Mesh};
@@ -52,6 +65,8 @@ pub struct FacePatch {
 pub struct Options {
     /// The name of the part.
     pub name: String,
+    /// The least share of the area that must not become facets, from 0 to 1. What needs more is given up early.
+    pub least_exact: f64,
 }
 
 /// A face of which some or all triangles became facets.
@@ -107,6 +122,22 @@ pub enum SolidFault {
         /// The place in mm.
         place: Point,
     },
+    /// Less of the area than asked for is on the surfaces.
+    #[error("{:.0} % of its area would be facets, as {why}", 100.0 * .facets)]
+    Facets {
+        /// The share of the facets.
+        facets: f64,
+        /// Why the first face became facets.
+        why: String,
+    },
+    /// A gap of the mesh cannot be closed.
+    #[error("the gap near ({:.3}, {:.3}, {:.3}) is not closed, as {why}", place.x, place.y, place.z)]
+    Gap {
+        /// The middle of its rim in mm.
+        place: Point,
+        /// Why.
+        why: &'static str,
+    },
     /// Not even the triangles make a valid solid.
     #[error("the triangles make no valid solid: {0}")]
     Unsound(String),
@@ -131,6 +162,10 @@ struct Work<'a> {
     tries: Vec<u32>,
     /// For each triangle its patch.
     of_triangle: Vec<usize>,
+    /// The rims of an open mesh.
+    stretches: RimStretches,
+    /// What the last patches are, which are walls on rims.
+    walls: Vec<WallKind>,
 }
 
 /// Makes the solids. Lengths are in mm.
@@ -144,21 +179,66 @@ pub fn solid(
     options: &Options,
 ) -> Result<(Brep, Report), SolidFault> {
     let edges = EdgeMap::new(mesh);
-    shells::check(mesh, &edges)?;
-    let parts = shells::split(mesh, errors, &edges, &patches);
+    shells::check(mesh, &edges, false)?;
+    made(mesh, errors, patches, &edges, options)
+}
+
+/// Makes the shell of an open mesh. Its edges at the rims of the mesh belong to one face each. Lengths are in mm.
+///
+/// # Errors
+/// Not even the triangles make a valid shell.
+pub fn open_shell(
+    mesh: &Mesh,
+    errors: &[f64],
+    patches: Vec<FacePatch>,
+    options: &Options,
+) -> Result<(Brep, Report), SolidFault> {
+    let edges = EdgeMap::new(mesh);
+    shells::check(mesh, &edges, true)?;
+    made(mesh, errors, patches, &edges, options)
+}
+
+fn made(
+    mesh: &Mesh,
+    errors: &[f64],
+    patches: Vec<FacePatch>,
+    edges: &EdgeMap,
+    options: &Options,
+) -> Result<(Brep, Report), SolidFault> {
+    let parts = shells::split(mesh, errors, edges, &patches);
     let mut report = Report::default();
     let mut made = Vec::with_capacity(parts.len());
     for part in &parts {
-        let (shell, own) = Work::new(part).made()?;
+        // What one of several parts may lose is not known.
+        let least_exact = if parts.len() == 1 { options.least_exact } else { 0.0 };
+        let (shell, own) = Work::new(part).made(least_exact)?;
         made.push(shell);
         report.patches.extend(own.patches.into_iter().map(|patch| part.in_whole(patch)));
         report.facets += own.facets;
         report.fallbacks.extend(own.fallbacks);
         report.gap = report.gap.max(own.gap);
     }
+    check_facets(mesh, &report.patches, &report.fallbacks, options.least_exact)?;
     let brep = shells::join(&parts, made, &options.name);
     brep.check().map_err(|fault| SolidFault::Unsound(fault.to_string()))?;
     Ok((brep, report))
+}
+
+/// An error if too much of the area is facets.
+fn check_facets(
+    mesh: &Mesh,
+    patches: &[FacePatch],
+    fallbacks: &[Fallback],
+    least_exact: f64,
+) -> Result<(), SolidFault> {
+    let area = |patch: &FacePatch| patch.area(mesh);
+    let all: f64 = patches.iter().map(area).sum();
+    let facets = patches.iter().filter(|patch| patch.is_facet).map(area).sum::<f64>() / all;
+    if facets <= 1.0 - least_exact || all == 0.0 {
+        return Ok(());
+    }
+    let why = fallbacks.first().map_or("no surface has their corners", |first| &first.why).into();
+    Err(SolidFault::Facets { facets, why })
 }
 
 impl<'a> Work<'a> {
@@ -172,6 +252,8 @@ impl<'a> Work<'a> {
             patches: Vec::new(),
             tries: Vec::new(),
             of_triangle: vec![0; part.mesh.triangles.len()],
+            stretches: RimStretches::default(),
+            walls: Vec::new(),
         };
         for patch in &part.patches {
             for set in work.joined(&patch.triangles).members() {
@@ -180,11 +262,13 @@ impl<'a> Work<'a> {
             }
         }
         work.tries = vec![0; work.patches.len()];
+        work.number();
+        work.find_stretches();
         work
     }
 
     /// Tries to make the shell until nothing fails.
-    fn made(mut self) -> Result<(Brep, Report), SolidFault> {
+    fn made(mut self, least_exact: f64) -> Result<(Brep, Report), SolidFault> {
         let mut fallbacks = Vec::new();
         let mut faults = self.loosen();
         loop {
@@ -192,6 +276,8 @@ impl<'a> Work<'a> {
                 let why = faults.into_iter().next().map_or_else(String::new, |fault| fault.why);
                 return Err(SolidFault::Unsound(why));
             }
+            self.drop_walls();
+            check_facets(self.mesh, &self.patches, &fallbacks, least_exact)?;
             self.number();
             match shell::shell(&mut self) {
                 Ok(shell::BuiltShell { brep, gap, patches }) => {
@@ -211,6 +297,12 @@ impl<'a> Work<'a> {
 }
 
 impl FacePatch {
+    /// The area of its triangles.
+    fn area(&self, mesh: &Mesh) -> f64 {
+        let of = |&t: &u32| mesh.area_vector(mesh.triangles[t as usize]).norm();
+        self.triangles.iter().map(of).sum()
+    }
+
     /// A facet of some triangles. Its plane is laid through its vertices later.
     fn facet(mesh: &Mesh, triangles: Vec<u32>) -> Self {
         let of = |t: &u32| mesh.triangles[*t as usize];

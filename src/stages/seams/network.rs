@@ -50,7 +50,8 @@ impl Work<'_> {
 
     /// The patch on the other side of a side of a triangle.
     fn across(&self, side: usize) -> usize {
-        self.edges.across(side).map_or(usize::MAX, |twin| self.of_triangle[twin / 3])
+        let twin = self.edges.across(side);
+        twin.map_or_else(|| self.stretch_across(side), |twin| self.of_triangle[twin / 3])
     }
 
     /// The next border side of the same patch.
@@ -104,8 +105,9 @@ impl Work<'_> {
                 is_done[twin(side)] = true;
             }
             let of = network.chains.len();
-            begins[first] = Some((of, true));
+            // At a rim there is nothing that runs back.
             begins[twin(last)] = Some((of, false));
+            begins[first] = Some((of, true));
             lasts.push([last, twin(first)]);
             let mut mesh_vertices: Vec<u32> = sides.iter().map(|&s| start(s) as u32).collect();
             mesh_vertices.push(end(last) as u32);
@@ -139,6 +141,9 @@ impl Work<'_> {
                 let mut at = (chain, forward);
                 let of = &network.chains[chain];
                 let patch = if forward { of.left } else { of.right };
+                if patch >= self.patches.len() {
+                    continue;
+                }
                 while !is_used[at.0][usize::from(at.1)] {
                     is_used[at.0][usize::from(at.1)] = true;
                     ring.push(at);
@@ -147,7 +152,8 @@ impl Work<'_> {
                     at = next.ok_or_else(|| SeamFault::new(&[patch], "a loop that breaks off"))?;
                 }
                 if !ring.is_empty() {
-                    network.loops[patch].push(ring);
+                    let rings = self.simple_rings(network, patch, ring);
+                    network.loops[patch].extend(rings);
                 }
             }
         }
@@ -168,9 +174,14 @@ impl Work<'_> {
             if self.is_border(side) {
                 let other = self.across(side);
                 let key = [own.min(other), own.max(other)];
-                borders[v] += 1;
-                is_junction[v] |= pair[v] != [usize::MAX; 2] && pair[v] != key;
-                pair[v] = key;
+                let end = self.mesh.side(side).1.index();
+                // A side of a rim has no twin that begins at its end.
+                let ends = std::iter::once(v).chain((other >= self.patches.len()).then_some(end));
+                for v in ends {
+                    borders[v] += 1;
+                    is_junction[v] |= pair[v] != [usize::MAX; 2] && pair[v] != key;
+                    pair[v] = key;
+                }
             }
         }
         let is_end = |v: usize| is_junction[v] || (borders[v] != 2 && borders[v] != 0);

@@ -15,6 +15,11 @@ const AGREES: f64 = 3e-8;
 /// Angles and lengths that differ by less are the same: rounding of the formulas.
 const ROUNDED: f64 = 1e-12;
 
+/// A line that leaves an axis of the parameters by less is along it if its edge is, too.
+const ALONG: f64 = 1e-7;
+/// Places between the middle of a piece and its ends, where the gap is largest if it is zero in the middle.
+const BESIDE: [f64; 2] = [0.25, 0.75];
+
 const FEWEST: usize = 33;
 const MOST: usize = 1500;
 
@@ -47,16 +52,16 @@ pub(super) fn pcurve(
     };
     let t = places(FEWEST);
     let uv = parameters(&t);
-    let (from, mut to) = (exact(uv[0]), exact(uv[uv.len() - 1]));
-    for k in 0..2 {
-        if (from[k] - to[k]).abs() < ROUNDED * from[k].abs().max(1.0) {
-            to[k] = from[k];
+    let ends = [exact(uv[0]), exact(uv[uv.len() - 1])];
+    for (ends, limit) in [(along_axes(ends), AGREES), (ends, EXACT)] {
+        if clips(chart, curve, ends) {
+            continue;
         }
-    }
-    if let Ok(line) = PCurve::line(from, to, (start, end)) {
-        let worst = gap(&line, &t);
-        if worst < EXACT {
-            return Ok((line, worst));
+        if let Ok(line) = PCurve::line(ends[0], ends[1], (start, end)) {
+            let worst = gap(&line, &t);
+            if worst < limit {
+                return Ok((line, worst));
+            }
         }
     }
     let mut t = curve.breaks();
@@ -66,13 +71,16 @@ pub(super) fn pcurve(
     loop {
         let made = PCurve::Spline(through(&t, &parameters(&t), false)?);
         let middles: Vec<f64> = t.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-        let worst = gap(&made, &middles);
-        if worst < AGREES || t.len() > MOST {
+        // Between the middle and an end the gap may be larger.
+        let beside = |pair: &[f64]| BESIDE.map(|w| pair[0] + w * (pair[1] - pair[0]));
+        let quarters: Vec<f64> = t.windows(2).flat_map(beside).collect();
+        let (worst, besides) = (gap(&made, &middles), gap(&made, &quarters));
+        if worst < AGREES && besides < EXACT || t.len() > MOST {
             return Ok((made, worst));
         }
         let mut finer = vec![t[0]];
         for (pair, middle) in t.windows(2).zip(&middles) {
-            if gap(&made, &[*middle]) > 0.5 * AGREES {
+            if gap(&made, &[*middle]) > 0.5 * AGREES || gap(&made, &beside(pair)) > AGREES {
                 finer.push(*middle);
             }
             finer.push(pair[1]);
@@ -90,6 +98,22 @@ fn t_with(breaks: &[f64], fewest: usize) -> Vec<f64> {
     }
     t.extend(breaks.last());
     t
+}
+
+/// Whether readers would clip a line. They take the part within one period: of parameters if it is oblique and both of them
+/// are bounded, and of its own parameter if that is an angle.
+fn clips(chart: &Chart, curve: &BrepCurve, [from, to]: [[f64; 2]; 2]) -> bool {
+    let is_bounded =
+        matches!(chart.surface, BrepSurface::Sphere { .. } | BrepSurface::Torus { .. });
+    let is_oblique = from[0] != to[0] && from[1] != to[1];
+    is_bounded && is_oblique || matches!(curve, BrepCurve::Ellipse(_)) && curve.range().1 > TAU
+}
+
+/// The ends of a line, which runs along an axis if it nearly does so.
+fn along_axes([from, to]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    let middle = exact([0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])]);
+    let is_along = [0, 1].map(|k| (from[k] - to[k]).abs() < ALONG);
+    [from, to].map(|end| [0, 1].map(|k| if is_along[k] { middle[k] } else { end[k] }))
 }
 
 /// Readers take a start of -1e-17 for 2π: multiples of a turn are exact.

@@ -145,6 +145,11 @@ impl Perimeter {
         [u, if self.is_torus { moved(1) } else { uv[1] }]
     }
 
+    /// Whether parameters are at a side that is a point.
+    pub fn is_pole(&self, uv: [f64; 2]) -> bool {
+        (0..2).any(|k| self.poles[k] && self.is_same(uv[1], self.cell[k][1], 0))
+    }
+
     /// Whether two parameters along a cut are one.
     pub fn is_same(&self, a: f64, b: f64, line: usize) -> bool {
         let size = if line == 0 && !self.is_torus { a.abs().max(b.abs()).max(1.0) } else { 1.0 };

@@ -29,6 +29,26 @@ impl ChainNetwork {
         points
     }
 
+    /// The loops into which a loop falls at the vertices that it visits more than once.
+    pub fn parts_of(&self, ring: &[ChainUse]) -> Vec<Vec<ChainUse>> {
+        let ends = |(chain, forward): ChainUse| {
+            let [a, b] = self.chains[chain].ends?;
+            Some(if forward { [a, b] } else { [b, a] })
+        };
+        let mut found = Vec::new();
+        let mut open: Vec<ChainUse> = Vec::new();
+        for &of in ring {
+            open.push(of);
+            let Some([_, end]) = ends(of) else { continue };
+            let begins = |of: &ChainUse| ends(*of).is_some_and(|[start, _]| start == end);
+            if let Some(first) = open.iter().position(begins) {
+                found.push(open.split_off(first));
+            }
+        }
+        found.extend((!open.is_empty()).then_some(open));
+        found
+    }
+
     /// Turns a chain round.
     pub fn reverse(&mut self, chain: usize) {
         let of = &mut self.chains[chain];

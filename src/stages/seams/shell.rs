@@ -32,9 +32,11 @@ pub(super) struct BuiltShell {
 /// Builds the shell of all patches.
 pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     let mut network = work.network().map_err(|fault| vec![fault])?;
+    work.add_walls(&mut network);
     work.lay_facets();
     work.agree(&network);
     work.place_vertices(&mut network)?;
+    work.fit_walls(&network);
     work.fit_facets(&network)?;
     work.refine(&mut network)?;
     let strips = work.strips(&network);
@@ -45,18 +47,19 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     let (patch_of, triangles) = (Vec::new(), Vec::new());
     let mut builder =
         FaceBuilder { work, network: &network, brep: &mut brep, gap, patch_of, triangles };
-    none(plans.iter().enumerate().filter_map(|(i, plan)| builder.face(i, plan).err()).collect())?;
+    let faces = plans.iter().enumerate().filter(|(i, _)| !work.is_wall(*i));
+    none(faces.filter_map(|(i, plan)| builder.face(i, plan).err()).collect())?;
     let FaceBuilder { gap, patch_of, triangles, .. } = builder;
     brep.uncertainty_mm = KERNEL.max(SLACK * gap);
     let faces = (0..brep.faces.len()).map(FaceId).collect();
-    brep.add_shell(Shell { faces, closed: true });
+    brep.add_shell(Shell { faces, closed: !work.is_open() });
     let faults = brep.face_faults().into_iter();
     none(
         faults
             .map(|(face, fault)| SeamFault::new(&[patch_of[face.0]], fault.to_string()))
             .collect(),
     )?;
-    none(crossings(&brep, &network, &patch_of))?;
+    none(crossings(work, &brep, &network, &patch_of))?;
     brep.check().map_err(|fault| {
         let faces = faces_of(&brep, &fault).into_iter().map(|face| patch_of[face]);
         vec![SeamFault::new(&faces.collect::<Vec<_>>(), fault.to_string())]
@@ -120,12 +123,7 @@ impl Work<'_> {
 
     /// Chooses frames and seams, the largest faces first, and gives all closed chains a vertex.
     fn plans(&self, network: &mut ChainNetwork) -> Result<Vec<FacePlan>, Vec<SeamFault>> {
-        let area = |i: usize| -> f64 {
-            let triangles = self.patches[i].triangles.iter();
-            let of = |&t: &u32| self.mesh.area_vector(self.mesh.triangles[t as usize]).norm();
-            triangles.map(of).sum()
-        };
-        let areas: Vec<f64> = (0..self.patches.len()).map(area).collect();
+        let areas: Vec<f64> = self.patches.iter().map(|patch| patch.area(self.mesh)).collect();
         let mut order: Vec<usize> = (0..areas.len()).collect();
         order.sort_by(|&i, &j| areas[j].total_cmp(&areas[i]).then(i.cmp(&j)));
         let mut plans: Vec<Option<FacePlan>> = vec![None; areas.len()];
@@ -190,6 +188,10 @@ impl Work<'_> {
             network.reverse(number);
             (curve, off) = pair.curve(&network.chains[number])?;
         }
+        let faces = self.pair_of_faces(left, right, touches);
+        if self.is_wall(left) || self.is_wall(right) {
+            off = faces.worst(&curve);
+        }
         let Some(ends) = network.chains[number].ends else {
             return Err("a chain without ends".into());
         };
@@ -197,7 +199,7 @@ impl Work<'_> {
             off = off.max((place - network.vertices[end]).norm());
         }
         // A distance that is not a number fails, too.
-        let off_planes = pair.off_planes(&curve);
+        let off_planes = faces.off_planes(&curve);
         let limit = self.limit_at(network.chains[number].error);
         if off_planes < EXACT && off < limit {
             Ok((curve, off))
@@ -211,7 +213,8 @@ impl Work<'_> {
         let BrepCurve::Ellipse(arc) = curve else { return false };
         let [x, y] = arc.axes().map(Vector::from);
         sides.iter().any(|&i| {
-            self.patches[i].surface.kind() == PrimitiveKind::Plane
+            !self.is_wall(i)
+                && self.patches[i].surface.kind() == PrimitiveKind::Plane
                 && x.cross(&y).dot(&Vector::from(plans[i].chart.frame.z())) < 0.0
         })
     }

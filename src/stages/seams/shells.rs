@@ -19,11 +19,11 @@ pub(super) struct ShellPart {
     pub void_in: Option<usize>,
 }
 
-/// Checks that a mesh is closed and faces one way.
-pub(super) fn check(mesh: &Mesh, edges: &EdgeMap) -> Result<(), SolidFault> {
+/// Checks that a mesh faces one way, and is closed unless it may be open.
+pub(super) fn check(mesh: &Mesh, edges: &EdgeMap, may_be_open: bool) -> Result<(), SolidFault> {
     let is_open = |&side: &usize| edges.across(side).is_none();
     let open: Vec<usize> = (0..3 * mesh.triangles.len()).filter(is_open).collect();
-    if let Some(&first) = open.first() {
+    if let Some(&first) = open.first().filter(|_| !may_be_open) {
         let place = mesh.point(mesh.side(first).0);
         return Err(SolidFault::Open { edges: open.len(), place });
     }
@@ -66,7 +66,9 @@ pub(super) fn split(
     }
     let make = |triangles: Vec<u32>| part(mesh, errors, patches, &patch_of, &fan, &triangles);
     let mut parts: Vec<ShellPart> = of_shells.members().into_iter().map(make).collect();
-    nest(&mut parts);
+    if edges.open_sides().next().is_none() {
+        nest(&mut parts);
+    }
     parts
 }
 
@@ -158,7 +160,8 @@ pub(super) fn join(parts: &[ShellPart], shells: Vec<Brep>, name: &str) -> Brep {
         let own = move |k: &usize| parts[*k].void_in == Some(outer);
         (0..parts.len()).filter(own).map(ShellId).collect()
     };
-    let outer = (0..parts.len()).filter(|&k| parts[k].void_in.is_none());
-    whole.solids = outer.map(|k| Solid { outer: ShellId(k), voids: void(k) }).collect();
+    let is_solid = |k: &usize| parts[*k].void_in.is_none() && whole.shells[*k].closed;
+    let outer: Vec<usize> = (0..parts.len()).filter(is_solid).collect();
+    whole.solids = outer.into_iter().map(|k| Solid { outer: ShellId(k), voids: void(k) }).collect();
     whole
 }

@@ -44,7 +44,8 @@ impl Work<'_> {
 
     /// Moves the vertices onto the surfaces. Facets of one triangle do not hold vertices; their planes follow.
     pub(super) fn place_vertices(&self, network: &mut ChainNetwork) -> Result<(), Vec<SeamFault>> {
-        let around = self.holding();
+        let mut around = self.holding();
+        self.hold_at_rims(network, &mut around);
         let mut shortest = vec![f64::INFINITY; self.mesh.points.len()];
         for side in 0..3 * self.mesh.triangles.len() {
             let (a, b) = self.mesh.side(side);
@@ -76,7 +77,7 @@ fn is_plane(of: &Primitive) -> bool {
 }
 
 /// The point, and its largest distance from a surface.
-fn placed(patches: &[&FacePatch], start: Point, error: f64, limit: f64) -> (Point, f64) {
+pub(super) fn placed(patches: &[&FacePatch], start: Point, error: f64, limit: f64) -> (Point, f64) {
     let surfaces: Vec<&Primitive> = patches.iter().map(|patch| &patch.surface).collect();
     let mut pairs = Vec::new();
     for (i, a) in patches.iter().enumerate() {

@@ -33,7 +33,7 @@ impl Examined {
 
     /// The surface with the supports that are found on the scan.
     pub fn surface(&self, mesh: &Mesh, progress: &mut Progress) -> Result<MlsSurface> {
-        let levels = levels::levels(mesh, &self.rings, &self.left_out);
+        let levels = levels::levels(mesh, &self.rings, &self.noise, &self.left_out);
         let place =
             support::choose(mesh, &levels, &self.noise, &mut progress::step(progress, 0, 2))?;
         let finest = levels[0].clusters.clone();

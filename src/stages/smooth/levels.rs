@@ -8,6 +8,7 @@ use super::clusters::{ClusterLevel, Neighbourhood};
 use crate::geometry::{Point, SAMPLE};
 use crate::mesh::mls::{Polynomial, REACH, ReferencePlane, reference_plane};
 use crate::mesh::{Mesh, VertexRings};
+use crate::noise::NoiseField;
 
 /// The smallest support, as a multiple of the mean edge length. With a smaller one a quadratic has
 /// too few points.
@@ -18,6 +19,9 @@ const RATIO: f64 = 1.5;
 
 /// The largest support, as a share of the diagonal of the scan.
 const LONGEST: f64 = 0.1;
+
+/// The same for heights in steps, so that it spans several of them where the surface is nearly level.
+const LONGEST_IN_STEPS: f64 = 0.3;
 
 /// The radius of clusters, as a share of the support.
 const CLUSTER_RADIUS: f64 = 0.3;
@@ -39,9 +43,15 @@ pub(crate) struct SupportLevel {
 }
 
 /// The supports for a mesh in ascending order, with their clusters.
-pub(crate) fn levels(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Vec<SupportLevel> {
+pub(crate) fn levels(
+    mesh: &Mesh,
+    rings: &VertexRings,
+    noise: &NoiseField,
+    left_out: &[bool],
+) -> Vec<SupportLevel> {
     let mut levels = vec![SupportLevel::finest(mesh, rings, left_out)];
-    let longest = (LONGEST * mesh.diagonal()).max(levels[0].h);
+    let share = if noise.terraces.is_some() { LONGEST_IN_STEPS } else { LONGEST };
+    let longest = (share * mesh.diagonal()).max(levels[0].h);
     while let Some(last) = levels.last().filter(|last| last.h * RATIO <= longest) {
         levels.push(last.next(last.h * RATIO));
     }

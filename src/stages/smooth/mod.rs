@@ -91,6 +91,9 @@ pub struct Report {
     pub noise: f64,
     /// Whether noise beyond the rounding is visible. If not, points stay where they are.
     pub is_noisy: bool,
+    /// The step of which all heights of the scan along one axis are multiples, if there is one. The noise is then at
+    /// least that of the steps.
+    pub height_step: Option<f64>,
     /// The number of outliers, which are left out of all fits.
     pub outliers: usize,
     /// The root mean square of the distances by which points were moved.
@@ -123,6 +126,7 @@ impl Report {
             h: factor * self.h,
             supports: self.supports.iter().map(|h| factor * h).collect(),
             noise: factor * self.noise,
+            height_step: self.height_step.map(|step| factor * step),
             moved_rms: factor * self.moved_rms,
             moved_max: factor * self.moved_max,
             ..self
@@ -153,6 +157,7 @@ pub fn smooth_with(
     let mut report = Report {
         noise: examined.noise.deviation,
         is_noisy: examined.noise.is_visible,
+        height_step: examined.noise.terraces.map(|terraces| terraces.step),
         outliers: examined.left_out.iter().filter(|out| **out).count(),
         ..Report::default()
     };

@@ -104,7 +104,8 @@ fn trial(
         };
         let height = (fit.at(p).0 - p).dot(&normal);
         let last = trial.last().copied();
-        trial.push((height, noise.variance_of_fit(v, fit.variance)));
+        let points = scratch.around.iter().map(|sample| sample.at);
+        trial.push((height, noise.variance_of_fit(v, fit.variance, points)));
         if last.is_some_and(|(h, variance)| (height - h).abs() > clear * variance.sqrt()) {
             break;
         }

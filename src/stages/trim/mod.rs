@@ -15,13 +15,14 @@ mod fair;
 mod loop_fit;
 mod needles;
 pub mod network;
+mod scatter;
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{MOST_ROUNDS, NEGLIGIBLE, Point, Uv, bounds};
+use crate::geometry::{MOST_ROUNDS, NEGLIGIBLE, Point, Uv, Vector, bounds};
 use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::decimal;
@@ -29,7 +30,7 @@ use crate::spline::{
     CertifiedLoop, Curve, EdgeTree, LocatedFault, Nest, Surface, crossings, curve_on_surface,
     misplaced, off_surface, pieces_on_surface, runs,
 };
-use crate::statistics::median;
+use crate::statistics::{SIGNIFICANT, median};
 use loop_fit::LoopFit;
 
 /// Options of [`trim`]: how near trim curves keep to rims.
@@ -40,11 +41,14 @@ pub struct Options {
     /// A small value makes loops with many control points. A large value lets loops cut off
     /// details of the rim.
     pub tolerance: f64,
-    /// How far a loop may be from its rim, in mm. A scan does not show more exactly where it
+    /// How far a loop may be from its rim at most, in mm. A scan does not show more exactly where it
     /// ends. Within this distance the loop has as few control points as possible. A large value
     /// makes smooth loops that pass over details. At 0 the loop follows every tooth of its rim
     /// that is larger than half of the tolerance.
     pub rim: f64,
+    /// How far a loop may be at least from a rim whose vertices lie on a fair curve, in mm. Each rim gets
+    /// the scatter of its vertices about a fair curve, between this length and [`rim`](Self::rim).
+    pub least_rim: f64,
     /// Whether every vertex of a rim must be within the tolerance of the face, even if
     /// [`rim`](Self::rim) would allow a larger distance.
     pub keeps_vertices: bool,
@@ -69,16 +73,49 @@ const LEAST_SHARE: f64 = 0.1;
 const RIM_UNCERTAINTY: f64 = 0.5;
 
 impl Options {
-    /// Default options for the given rims. The rim tolerance is half of the median edge length
-    /// of the rims, or `tolerance` if that is larger. If the user has `named` the tolerance,
-    /// it also binds the vertices of the rims.
+    /// Default options for the given rims. The rim tolerance is at most half of the median edge length
+    /// of the rims, or `tolerance` if that is larger, and at least the noise for which `tolerance` stands.
+    /// If the user has `named` the tolerance, it binds the vertices of the rims instead.
     pub fn of_rims<'a>(
         rims: impl Iterator<Item = &'a [Point]>,
         tolerance: f64,
         named: bool,
     ) -> Self {
         let rim = (RIM_UNCERTAINTY * median_edge(rims)).max(tolerance);
-        Options { tolerance, rim, keeps_vertices: named }
+        let least_rim = if named { rim } else { tolerance / SIGNIFICANT };
+        Options { tolerance, rim, least_rim, keeps_vertices: named }
+    }
+
+    /// The options for one rim, of which the vertices and the normals of the surface there are given.
+    fn of_rim(&self, points: &[Point], normals: &[Vector]) -> Self {
+        let known = || scatter::scatter(points, normals);
+        match self.least_rim < self.rim {
+            true => Options {
+                rim: known().map_or(self.rim, |known| known.clamp(self.least_rim, self.rim)),
+                ..*self
+            },
+            false => *self,
+        }
+    }
+
+    /// The options for each rim on a surface.
+    fn of_each(&self, surface: &Surface, rims: &[Rim]) -> Vec<Options> {
+        let normal = |&at: &Uv| {
+            let jet = surface.jet(at);
+            jet.su.cross(&jet.sv).try_normalize(0.0).unwrap_or_default()
+        };
+        let own = |rim: &Rim| match self.least_rim < self.rim {
+            true => self.of_rim(&rim.points, &rim.uv.iter().map(normal).collect::<Vec<_>>()),
+            false => *self,
+        };
+        rims.par_iter().map(own).collect()
+    }
+
+    /// The largest distance that a loop may have from one of the rims, in mm. Without rims it is
+    /// [`rim`](Self::rim).
+    pub(crate) fn largest_rim(&self, surface: &Surface, rims: &[Rim]) -> f64 {
+        let each = self.of_each(surface, rims).into_iter().map(|own| own.rim);
+        each.reduce(f64::max).unwrap_or(self.rim)
     }
 
     /// The largest distance of a vertex from the surface, in mm, that leaves a trim curve room
@@ -220,8 +257,9 @@ pub fn trim(
 pub fn arcs(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Vec<Curve<2>>>> {
     rules::length(options.tolerance).map_err(of("tolerance"))?;
     rules::extent(options.rim).map_err(of("rim_tolerance"))?;
+    rules::extent(options.least_rim).map_err(of("rim_tolerance"))?;
     rims.iter().enumerate().try_for_each(|(i, rim)| rim.check(i))?;
-    let mut arcs = uncrossed(surface, rims, options)?;
+    let mut arcs = uncrossed(surface, rims, &options.of_each(surface, rims))?;
     arcs.iter_mut().flatten().for_each(decimal::parameters);
     Ok(arcs)
 }
@@ -251,13 +289,14 @@ pub(crate) fn median_edge<'a>(rims: impl Iterator<Item = &'a [Point]>) -> f64 {
 
 /// Fits all loops and tightens them until none of them crosses itself, another loop or the edge
 /// of the patch.
-fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Vec<Curve<2>>>> {
+fn uncrossed(surface: &Surface, rims: &[Rim], options: &[Options]) -> Result<Vec<Vec<Curve<2>>>> {
     let nests: Vec<Nest> = rims.iter().map(|rim| nest(rims, rim)).collect();
-    let initial = |rim| {
+    let initial = |(rim, options)| {
         let loop_fit = LoopFit::new(surface, rim, options);
         loop_fit.ok_or_else(|| refusal(rim, "is a point", rim.points[0]))
     };
-    let mut fits: Vec<LoopFit> = rims.par_iter().map(initial).collect::<Result<_>>()?;
+    let mut fits: Vec<LoopFit> =
+        rims.par_iter().zip(options).map(initial).collect::<Result<_>>()?;
     let mut round = 0;
     loop {
         let arcs: Vec<Vec<Curve<2>>> = fits.par_iter().map(LoopFit::arcs).collect();
@@ -266,7 +305,7 @@ fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<V
         let mut places: BTreeMap<usize, Vec<Option<f64>>> = BTreeMap::new();
         faults.iter().for_each(|(i, (_, at))| places.entry(*i).or_default().push(*at));
         // Where two loops cross, it is enough that one of them is tightened.
-        let give_way = |(i, at): (usize, Vec<_>)| fits[i].tighten(&at, options).is_some();
+        let give_way = |(i, at): (usize, Vec<_>)| fits[i].tighten(&at, &options[i]).is_some();
         let better = places.into_iter().map(give_way).filter(|&given| given).count() > 0;
         round += 1;
         if round == MOST_ROUNDS || !better {

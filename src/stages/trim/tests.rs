@@ -6,7 +6,8 @@ use super::*;
 use crate::geometry::Vector;
 use crate::spline::KnotVector;
 
-const OPTIONS: Options = Options { tolerance: 0.04, rim: 0.0, keeps_vertices: true };
+const OPTIONS: Options =
+    Options { tolerance: 0.04, rim: 0.0, least_rim: 0.0, keeps_vertices: true };
 
 fn plate() -> Surface {
     let k = KnotVector::uniform(3, 12);
@@ -61,7 +62,7 @@ fn a_fair_loop_passes_teeth_in_the_middle_and_keeps_to_its_room() {
     let plate = plate();
     let tooth = |a: f64| if ((a / TAU * 600.0).round() as i64) % 2 == 0 { 10.1 } else { 9.9 };
     let ragged = rim(&plate, 600, round(0.5, 0.5, tooth));
-    let fair = Options { tolerance: 0.04, rim: 0.15, keeps_vertices: false };
+    let fair = Options { tolerance: 0.04, rim: 0.15, least_rim: 0.15, keeps_vertices: false };
     let (rings, reports) = trim(&plate, std::slice::from_ref(&ragged), &fair).unwrap();
     assert!(reports[0].control_points < 20, "{:?}", reports[0]);
     assert!(reports[0].max_from_rim < 0.15, "{:?}", reports[0]);

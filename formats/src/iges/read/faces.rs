@@ -1,6 +1,6 @@
 //! Reader of trimmed surfaces (144) and of the faces of shells (514).
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::deck::Deck;
@@ -9,7 +9,7 @@ use super::parameters::Parameters;
 use super::shape::converted;
 use crate::Result;
 use crate::cad::affine::Affine;
-use crate::cad::{CadEdge, CadFace, CadModel, CadShell};
+use crate::cad::{CadEdge, CadFace, CadModel, CadPlace, CadShell, CadSurface};
 
 /// Reads faces.
 pub(super) struct FaceReader<'d> {
@@ -17,6 +17,8 @@ pub(super) struct FaceReader<'d> {
     geometry: IgesGeometry<'d>,
     edge_lists: HashMap<i64, Vec<ListedEdge>>,
     vertex_lists: HashMap<i64, Vec<[f64; 3]>>,
+    /// The faces (510) that have been read.
+    faces: HashSet<i64>,
 }
 
 /// An edge of an edge list (504).
@@ -33,6 +35,7 @@ impl<'d> FaceReader<'d> {
             geometry: IgesGeometry::new(deck),
             edge_lists: HashMap::new(),
             vertex_lists: HashMap::new(),
+            faces: HashSet::new(),
         }
     }
 
@@ -45,7 +48,7 @@ impl<'d> FaceReader<'d> {
     /// surface.
     pub(super) fn whole(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
         let surface = self.geometry.surface(pointer, unit)?;
-        Ok(CadFace { entity: name(pointer), surface, natural: true, loops: Vec::new() })
+        Ok(face(pointer, surface, (true, None), Vec::new()))
     }
 
     /// Reads a trimmed surface (144).
@@ -64,7 +67,7 @@ impl<'d> FaceReader<'d> {
         }
         self.convert_parameters(surface, &mut loops)?;
         let surface = self.geometry.surface(surface, &place)?;
-        Ok(CadFace { entity: name(pointer), surface, natural: outer == 0, loops })
+        Ok(face(pointer, surface, (outer == 0, None), loops))
     }
 
     /// Converts pcurves to the parameters of the model's surface.
@@ -141,23 +144,31 @@ impl<'d> FaceReader<'d> {
         let place = self.geometry.place(pointer, outer)?;
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
-        let faces = p.several(count, |p| p.integer().inspect(|_| p.skip(1)))?;
+        let faces = p.several(count, |p| Ok((p.integer()?, p.integer()?)))?;
         let first = model.faces.len();
-        for face in faces {
+        let inverted = faces.iter().map(|(_, along)| *along == 0).collect();
+        for (face, _) in faces {
             model.faces.push(self.face(face, &place)?);
         }
         let closed = self.deck.entry(pointer)?.form == 1;
-        model.shells.push(CadShell { faces: (first..model.faces.len()).collect(), closed });
+        let faces = (first..model.faces.len()).collect();
+        model.shells.push(CadShell { faces, inverted, closed });
         Ok(model.shells.len() - 1)
     }
 
+    /// Whether a face (510) has been read.
+    pub(super) fn is_read(&self, pointer: i64) -> bool {
+        self.faces.contains(&pointer)
+    }
+
     /// Reads a face (510).
-    fn face(&mut self, pointer: i64, outer: &Affine) -> Result<CadFace> {
+    pub(super) fn face(&mut self, pointer: i64, outer: &Affine) -> Result<CadFace> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 510 {
             let what = format!("is of type {found} where a face (510) is expected");
             return Err(self.deck.error(pointer, what));
         }
+        self.faces.insert(pointer);
         let place = self.geometry.place(pointer, outer)?;
         let mut p = self.deck.parameters(pointer)?;
         let surface = p.integer()?;
@@ -167,8 +178,10 @@ impl<'d> FaceReader<'d> {
         let mut loops: Vec<Vec<CadEdge>> =
             loops.into_iter().map(|l| self.edge_loop(l, &place)).collect::<Result<_>>()?;
         self.convert_parameters(surface, &mut loops)?;
+        // The parameters of a surface of revolution are exchanged, so its normal is the opposite one.
+        let forward = self.deck.entry(surface)?.kind != 120;
         let surface = self.geometry.surface(surface, &place)?;
-        Ok(CadFace { entity: name(pointer), surface, natural: count == 0, loops })
+        Ok(face(pointer, surface, (count == 0, Some(forward)), loops))
     }
 
     /// Reads a loop (508).
@@ -249,6 +262,18 @@ impl<'d> FaceReader<'d> {
         }
         self.nth(list, &self.vertex_lists[&list], index, "vertex")
     }
+}
+
+/// A face of the model at its own place. `bounds` say whether its outer boundary is that of its surface, and which
+/// way its loops run.
+fn face(
+    pointer: i64,
+    surface: Arc<CadSurface>,
+    (natural, forward): (bool, Option<bool>),
+    loops: Vec<Vec<CadEdge>>,
+) -> CadFace {
+    let places = Arc::new([CadPlace::same()]);
+    CadFace { entity: name(pointer), surface, natural, forward, loops, places }
 }
 
 fn name(pointer: i64) -> String {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::deck::Deck;
 use super::parameters::Parameters;
-use super::shape::{arc, ellipse, flat, middle_normal, over_unit, turned};
+use super::shape::{arc, conic, flat, middle_normal, over_unit, turned};
 use crate::Result;
 use crate::cad::affine::{Affine, cross, dot, unit};
 use crate::cad::{CadCurve, CadSurface, CurveShape};
@@ -103,9 +103,9 @@ impl<'d> IgesGeometry<'d> {
         let mut p = self.deck.parameters(pointer)?;
         match entry.kind {
             100 => arc(&mut p),
-            104 if entry.form == 1 => {
-                let refused = "is an ellipse that is not along x and y";
-                ellipse(&mut p)?.ok_or_else(|| self.deck.unread(pointer, refused))
+            104 => {
+                let refused = "is no arc of a conic";
+                conic(&mut p)?.ok_or_else(|| self.deck.error(pointer, refused))
             }
             106 if matches!(entry.form, 11..=13 | 63) => {
                 let kind = p.integer()?;
@@ -228,6 +228,16 @@ impl<'d> IgesGeometry<'d> {
             CurveShape::Ellipse { centre, x, y } => {
                 let t = curve.range.map_or(0.0, |r| r.0);
                 let point = |i: usize| centre[i] + t.cos() * x[i] + t.sin() * y[i];
+                ([0, 1, 2].map(point), curve)
+            }
+            CurveShape::Hyperbola { centre, x, y } => {
+                let t = curve.range.map_or(0.0, |r| r.0);
+                let point = |i: usize| centre[i] + t.cosh() * x[i] + t.sinh() * y[i];
+                ([0, 1, 2].map(point), curve)
+            }
+            CurveShape::Parabola { vertex, x, y } => {
+                let t = curve.range.map_or(0.0, |r| r.0);
+                let point = |i: usize| vertex[i] + t * t * x[i] + t * y[i];
                 ([0, 1, 2].map(point), curve)
             }
         };

@@ -59,6 +59,12 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
             _ => {}
         }
     }
+    // Some programs write faces that belong to no shell.
+    for (pointer, _) in entries().filter(|(_, entry)| entry.kind == 510) {
+        if !faces.is_read(pointer) {
+            model.faces.push(faces.face(pointer, &unit)?);
+        }
+    }
     Ok(model)
 }
 

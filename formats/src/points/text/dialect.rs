@@ -64,6 +64,14 @@ impl Dialect {
         })
     }
 
+    /// What stands between the separators of a line of names, blanks included. Empty without a separator.
+    pub(super) fn names(&self, line: &[u8]) -> Vec<String> {
+        let line = super::unmarked(line);
+        let cells = line.split(|&byte| Some(byte) == self.separator);
+        let name = |cell| String::from_utf8_lossy(cell).trim().trim_matches('"').to_owned();
+        self.separator.map_or_else(Vec::new, |_| cells.map(name).collect())
+    }
+
     /// The number in a field, which may not be finite.
     pub(super) fn number(&self, field: &[u8]) -> Option<f64> {
         let text = std::str::from_utf8(field).ok()?.trim_matches('"');

@@ -7,13 +7,15 @@
 
 mod dialect;
 mod layout;
+mod numbering;
 mod unit;
 
 use self::dialect::Dialect;
-use self::layout::Layout;
-use super::{Note, Points, PointsBuilder, ScanEnd};
+use self::layout::{FirstRows, Layout};
+use super::{Columns, Note, Points, PointsBuilder, ScanEnd};
 use crate::source::Source;
 use crate::token::{excerpt, number_help};
+use crate::unit_comment::UnitComments;
 use crate::words::{grouped, plural};
 use crate::{LengthUnit, Location, Result};
 
@@ -39,15 +41,21 @@ pub(super) fn has_count(head: &[u8]) -> bool {
     is_text(head) && count(line).is_some()
 }
 
-/// Reads columns of text. With `is_pts` their unit is the metre.
-pub(super) fn read(mut source: Source, is_pts: bool) -> Result<Points> {
+/// Reads columns of text, perhaps those that the user chose. With `is_pts` their unit is the metre.
+pub(super) fn read(mut source: Source, is_pts: bool, chosen: Option<&Columns>) -> Result<Points> {
     if !is_text(&source.head) {
         let help = "Export the points as plain text, or as PLY or PCD.";
         return Err(source.error("is binary, but its name means a text file", help));
     }
-    let Some(shape) = Shape::of(&source.head) else {
+    let Some(mut shape) = Shape::of(&source.head) else {
         return Err(no_points(&mut source)?);
     };
+    if let Some(columns) = chosen {
+        let names = shape.names.as_deref();
+        let layout = Layout::chosen(columns, names, shape.layout.count);
+        let help = "Columns are counted from 1: the first three are x, y and z, and three more are the normal.";
+        shape.layout = layout.map_err(|what| crate::Error::new(&source.path, what, help))?;
+    }
     if shape.mixes_commas {
         let help = "Export again with decimal points, or with semicolons between the columns.";
         return Err(source.error("seems to have commas between and within its numbers", help));
@@ -72,8 +80,12 @@ fn no_points(source: &mut Source) -> Result<crate::Error> {
 struct Shape {
     dialect: Dialect,
     layout: Layout,
+    /// The names of the columns, if there is a line of as many names.
+    names: Option<Vec<String>>,
     /// The unit that the header names.
     unit: Option<LengthUnit>,
+    /// The unit that a comment names, and the comment.
+    comment: Option<(LengthUnit, String)>,
     /// Whether the columns cannot be told, because commas mean two things.
     mixes_commas: bool,
 }
@@ -88,19 +100,32 @@ impl Shape {
         let head = &head[..whole.unwrap_or(head.len())];
         let numbers = lines(head).filter(|line| is_numbers(line)).take(SAMPLE);
         let dialect = Dialect::of(numbers.clone());
-        let row = |line| dialect.fields(line).map(|field| dialect.number(field)).collect();
-        let mut rows: Vec<Vec<Option<f64>>> = numbers.clone().map(row).collect();
+        let mut rows: Vec<Vec<&[u8]>> =
+            numbers.clone().map(|line| dialect.fields(line).collect()).collect();
         rows.retain(|row| row.len() >= 3);
         let count = usual_length(&rows)?;
         rows.retain(|row| row.len() == count);
+        let values = rows
+            .iter()
+            .map(|row| row.iter().map(|field| dialect.number(field)).collect())
+            .collect();
+        let rows = FirstRows { fields: rows, numbers: values };
         let before = lines(head).take_while(|line| !is_numbers(line));
+        let mut comments = UnitComments::default();
+        lines(head).filter(|line| is_comment(line)).for_each(|line| comments.read(line));
         let unit = before.clone().find_map(unit::of_header);
-        let named: Vec<Layout> = before.filter_map(|line| Layout::by_names(names(line))).collect();
-        let doubled = named.iter().any(|layout| 2 * layout.count == count);
+        let doubled = before.clone().filter_map(|line| Layout::by_names(&names(line)));
+        let doubled = doubled.filter(|layout| 2 * layout.count == count).count() > 0;
         let mixes_commas = dialect.mixes_commas(numbers) || doubled && dialect.has_comma_columns();
-        let named = named.into_iter().rfind(|layout| layout.count == count);
-        let layout = named.or_else(|| Layout::by_custom(&rows))?;
-        Some(Shape { dialect, layout, unit, mixes_commas })
+        let named = before.flat_map(|line| [names(line), dialect.names(line)]);
+        let named: Vec<Vec<String>> = named.filter(|names| names.len() == count).collect();
+        let mut layouts = named.iter().filter_map(|names| Some((names, Layout::by_names(names)?)));
+        let (names, layout) = match layouts.next_back() {
+            Some((names, layout)) => (Some(names.clone()), layout),
+            None => (named.last().cloned(), Layout::by_custom(&rows)?),
+        };
+        let comment = comments.unit().filter(|_| unit.is_none());
+        Some(Shape { dialect, layout, names, unit, comment, mixes_commas })
     }
 
     /// The position and the normal in a line.
@@ -122,7 +147,7 @@ impl Shape {
 }
 
 /// The most frequent number of columns; of several the least.
-fn usual_length(rows: &[Vec<Option<f64>>]) -> Option<usize> {
+fn usual_length(rows: &[Vec<&[u8]>]) -> Option<usize> {
     let frequency = |length: usize| rows.iter().filter(|row| row.len() == length).count();
     let lengths = rows.iter().map(Vec::len);
     lengths.max_by_key(|&length| (frequency(length), std::cmp::Reverse(length)))
@@ -194,12 +219,19 @@ impl TextRows {
         cloud.lost.unreadable_lines = counts.unreadable + u64::from(counts.last_is_cut);
         let others = self.shape.layout.others.iter().map(String::as_str);
         cloud.lost.count(others, counts.points);
-        let by_custom = is_pts && self.shape.unit.is_none();
-        cloud.unit = self.shape.unit.or(by_custom.then_some(LengthUnit::Metre));
+        let (of_comment, comment) = self.shape.comment.unzip();
+        let unit = self.shape.unit.or(of_comment);
+        let by_custom = is_pts && unit.is_none();
+        cloud.unit = unit.or(by_custom.then_some(LengthUnit::Metre));
         let found = counts.points;
         let count = counts.announced.filter(|&announced| announced != found);
         let notes = [
             by_custom.then_some(Note::MetresByCustom),
+            comment.map(|comment| Note::UnitByComment { comment }),
+            match self.shape.layout.numbering {
+                0 => None,
+                columns => Some(Note::PointNumbers { columns }),
+            },
             self.shape.dialect.decimal_commas.then_some(Note::DecimalCommas),
             count.map(|announced| Note::CountDiffers { announced, found }),
             counts.last_is_cut.then_some(Note::LastLineCut),
@@ -251,10 +283,15 @@ fn is_header(line: &[u8]) -> bool {
 }
 
 /// The words of a line, without the mark of a comment and without units.
-fn names(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+fn names(line: &[u8]) -> Vec<String> {
+    let names = words(unmarked(line)).filter(|word| !matches!(word[0], b'[' | b'('));
+    names.map(|name| String::from_utf8_lossy(name).into_owned()).collect()
+}
+
+/// A line without the mark of a comment.
+fn unmarked(line: &[u8]) -> &[u8] {
     let start = line.iter().position(|b| !matches!(b, b'#' | b'/' | b'%' | b'!'));
-    let line = &line[start.unwrap_or(line.len())..];
-    words(line).filter(|word| !matches!(word[0], b'[' | b'('))
+    &line[start.unwrap_or(line.len())..]
 }
 
 /// Whether a line has three or more numbers, whatever separates them.

@@ -52,6 +52,25 @@ impl<'f, 'a> Attributes<'f, 'a> {
         }
     }
 
+    /// The number of attributes that are left.
+    pub(super) fn count_left(&self) -> usize {
+        self.values.len()
+    }
+
+    /// A list of values.
+    pub(super) fn values(&mut self) -> Result<Vec<Value<'a>>> {
+        let Value::List(list) = self.next()? else { return self.wrong("a list") };
+        Ok(list)
+    }
+
+    /// A number, or `None` if there is none.
+    pub(super) fn optional_real(&mut self) -> Result<Option<f64>> {
+        match self.next()? {
+            Value::Nothing => Ok(None),
+            value => self.number(value).map(Some),
+        }
+    }
+
     pub(super) fn references(&mut self) -> Result<Vec<u64>> {
         let Value::List(list) = self.next()? else { return self.wrong("a list") };
         self.ids(list)

@@ -25,7 +25,14 @@ pub(super) struct Exchange<'a> {
     /// The number of parts that may still be read. The limit keeps the size of the model in
     /// proportion to its file even if many entities refer to the same parts.
     budget: Cell<usize>,
+    /// The number of bytes that may still be parsed. The limit keeps the time in proportion to the file even if
+    /// many entities refer to the same long ones.
+    work: Cell<usize>,
 }
+
+/// A byte is parsed so many times at most. Entities that many others refer to, as directions are, have 50 bytes, and
+/// a reference to one has at least three. Parsing goes over an entity up to three times.
+const PARSINGS: usize = 100;
 
 /// An entity instance. A simple one has one record, and a complex one has several.
 pub(super) struct Instance<'a> {
@@ -35,7 +42,13 @@ pub(super) struct Instance<'a> {
 
 impl<'a> Exchange<'a> {
     pub(super) fn new(path: &'a Path, bytes: &'a [u8]) -> Result<Self> {
-        let mut file = Exchange { path, bytes, index: Vec::new(), budget: Cell::new(bytes.len()) };
+        let mut file = Exchange {
+            path,
+            bytes,
+            index: Vec::new(),
+            budget: Cell::new(bytes.len()),
+            work: Cell::new(PARSINGS.saturating_mul(bytes.len())),
+        };
         let mut cursor = Cursor::new(bytes);
         cursor.skip_blank();
         if !cursor.take(b"ISO-10303-21") {
@@ -80,10 +93,18 @@ impl<'a> Exchange<'a> {
         Err(self.damaged(at, "is incomplete: the text that begins here has no end"))
     }
 
-    /// The entity instances whose first keyword is `wanted`.
+    /// The entity instances of which some keyword is `wanted`.
     pub(super) fn all(&self, wanted: impl Fn(&str) -> bool) -> impl Iterator<Item = u64> {
-        let is = move |at: usize| wanted(Cursor { bytes: self.bytes, at }.word());
+        let is = move |at: usize| Cursor { bytes: self.bytes, at }.has_keyword(&wanted);
         self.index.iter().filter(move |(_, at)| is(*at)).map(|(id, _)| *id)
+    }
+
+    /// Whether some keyword of an entity instance is `name`.
+    pub(super) fn is_a(&self, id: u64, name: &str) -> bool {
+        let found = self.index.binary_search_by_key(&id, |(id, _)| *id);
+        found.is_ok_and(|i| {
+            Cursor { bytes: self.bytes, at: self.index[i].1 }.has_keyword(&|word| word == name)
+        })
     }
 
     /// Parses an entity instance.
@@ -94,7 +115,10 @@ impl<'a> Exchange<'a> {
             Error::new(self.path, what, EXPORT_AGAIN)
         })?;
         let mut cursor = Cursor { bytes: self.bytes, at };
-        match cursor.instance() {
+        let found = cursor.instance();
+        let left = self.work.get().checked_sub(cursor.at - at);
+        self.work.set(left.ok_or_else(|| self.error(id, "is used too often"))?);
+        match found {
             Ok(records) => Ok(Instance { id, records }),
             Err(what) => Err(self.damaged(cursor.at, format!("#{id}: {what}"))),
         }
@@ -114,7 +138,7 @@ impl<'a> Exchange<'a> {
 
     /// An error for valid content that is not supported.
     pub(super) fn unread(&self, id: u64, what: impl Into<String>) -> Error {
-        let help = "Export trimmed B-spline faces, in one part, without placements.";
+        let help = "Export the part as a boundary representation with its surfaces as B-splines.";
         Error::new(self.path, what, help).at(Location::Entity(id))
     }
 

@@ -1,30 +1,32 @@
-//! Reader of points, curves and surfaces (ISO 10303-42, clause 4) in the unit of the file.
+//! Reader of points, placements and transformations (ISO 10303-42, clause 4). Points are in the unit of the file.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::attributes::Attributes;
 use super::exchange::Exchange;
 use crate::Result;
 use crate::brep::Frame;
-use crate::cad::{CadCurve, CadSurface, CurveShape};
-use crate::spline::SplineCurve;
-
-/// The largest depth of curves that consist of other curves, and of surfaces that consist of other
-/// surfaces.
-const MAX_DEPTH: usize = 8;
+use crate::cad::CadSurface;
+use crate::cad::affine::{Affine, dot};
 
 /// Reads geometry. A surface or a curve that is used several times is read once.
 pub(super) struct StepGeometry<'f, 'a> {
     pub(super) file: &'f Exchange<'a>,
     /// The unit of angles in radians.
-    angle: f64,
-    surfaces: HashMap<u64, Arc<CadSurface>>,
+    pub(super) angle: f64,
+    /// The unit of length in mm. Only operators are in mm.
+    unit: f64,
+    pub(super) surfaces: HashMap<u64, Arc<CadSurface>>,
 }
 
 impl<'f, 'a> StepGeometry<'f, 'a> {
     pub(super) fn new(file: &'f Exchange<'a>, angle: f64) -> Self {
-        StepGeometry { file, angle, surfaces: HashMap::new() }
+        StepGeometry { file, angle, unit: 1.0, surfaces: HashMap::new() }
+    }
+
+    /// The same for a unit of length in mm.
+    pub(super) fn scaled(self, unit: f64) -> Self {
+        StepGeometry { unit, ..self }
     }
 
     pub(super) fn point<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
@@ -40,7 +42,7 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
             .map_err(|_| self.file.error(id, format!("has {found} coordinates instead of {D}")))
     }
 
-    fn direction<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
+    pub(super) fn direction<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
         let d: [f64; D] = self.coordinates(id, "DIRECTION")?;
         let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
         if length.is_finite() && length > 0.0 {
@@ -49,7 +51,7 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
         Err(self.file.error(id, "is a direction without a length"))
     }
 
-    fn vector<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
+    pub(super) fn vector<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
         let mut attributes = self.file.of_type(id, "VECTOR")?;
         attributes.skip(1)?;
         let direction: [f64; D] = self.direction(attributes.reference()?)?;
@@ -57,7 +59,7 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
         Ok(direction.map(|x| x * length))
     }
 
-    fn frame(&self, id: u64) -> Result<Frame> {
+    pub(super) fn frame(&self, id: u64) -> Result<Frame> {
         let mut attributes = self.file.of_type(id, "AXIS2_PLACEMENT_3D")?;
         attributes.skip(1)?;
         let origin = self.point(attributes.reference()?)?;
@@ -67,13 +69,13 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
         };
         let frame = match attributes.option()? {
             Some(id) => Frame::new(origin, z, self.direction(id)?),
-            None => Frame::along(origin, z),
+            None => without_x(origin, z),
         };
         frame.map_err(|_| self.file.error(id, "has parallel axes"))
     }
 
     /// The origin and the axes x and y of a placement.
-    fn flat_frame<const D: usize>(&self, id: u64) -> Result<[[f64; D]; 3]> {
+    pub(super) fn flat_frame<const D: usize>(&self, id: u64) -> Result<[[f64; D]; 3]> {
         let mut frame = [[0.0; D]; 3];
         if D == 3 {
             let placed = self.frame(id)?;
@@ -93,144 +95,57 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
         Ok(frame)
     }
 
-    /// A curve in space or in a parameter plane.
-    pub(super) fn curve<const D: usize>(&self, id: u64) -> Result<CadCurve<D>> {
-        self.curve_at(id, 0)
-    }
-
-    fn curve_at<const D: usize>(&self, id: u64, depth: usize) -> Result<CadCurve<D>> {
-        if self.file.entity(id)?.records.len() > 1 {
-            return self.spline(id);
+    /// The map from the coordinates of a placement, or of a transformation, to those around it, in mm.
+    pub(super) fn operator(&self, id: u64) -> Result<Affine> {
+        let mut entity = self.file.entity(id)?;
+        if entity.records.iter().any(|r| r.name == "AXIS2_PLACEMENT_3D") {
+            let frame = self.frame(id)?;
+            let origin = frame.origin().map(|x| self.unit * x);
+            return Ok(Affine::to_axes(origin, [frame.x(), frame.y(), frame.z()]));
         }
-        let (kind, mut attributes) = self.file.simple(id)?;
-        let whole = |shape| CadCurve { shape, range: None };
-        match kind {
-            "B_SPLINE_CURVE_WITH_KNOTS" => self.spline(id),
-            "POLYLINE" => {
-                attributes.skip(1)?;
-                let points = attributes.references()?;
-                self.file.spend(id, points.len())?;
-                let points = points.into_iter().map(|p| self.point(p)).collect::<Result<_>>()?;
-                let spline = SplineCurve::polyline(points);
-                spline.map(CurveShape::Spline).map(whole).map_err(|e| self.file.error(id, e))
-            }
-            "LINE" => {
-                attributes.skip(1)?;
-                let origin = self.point(attributes.reference()?)?;
-                let direction = self.vector(attributes.reference()?)?;
-                Ok(whole(CurveShape::Line { origin, direction }))
-            }
-            "CIRCLE" | "ELLIPSE" => {
-                attributes.skip(1)?;
-                let [centre, x, y] = self.flat_frame(attributes.reference()?)?;
-                let a = attributes.real()?;
-                let b = if kind == "ELLIPSE" { attributes.real()? } else { a };
-                let shape =
-                    CurveShape::Ellipse { centre, x: x.map(|e| a * e), y: y.map(|e| b * e) };
-                Ok(whole(shape))
-            }
-            "TRIMMED_CURVE" if depth < MAX_DEPTH => {
-                attributes.skip(1)?;
-                // The end points of the edge that uses it define the part.
-                self.curve_at(attributes.reference()?, depth + 1)
-            }
-            other => {
-                Err(self.file.unread(id, format!("is a curve of an unsupported kind: {other}")))
-            }
-        }
-    }
-
-    pub(super) fn surface(&mut self, id: u64) -> Result<Arc<CadSurface>> {
-        self.surface_at(id, 0)
-    }
-
-    fn surface_at(&mut self, id: u64, depth: usize) -> Result<Arc<CadSurface>> {
-        if let Some(known) = self.surfaces.get(&id) {
-            return Ok(known.clone());
-        }
-        let surface = if self.file.entity(id)?.records.len() > 1 {
-            self.spline_surface(id)?
-        } else {
-            self.other_surface(id, depth)?
+        let name = "CARTESIAN_TRANSFORMATION_OPERATOR_3D";
+        let Some(own) = self.file.part(&mut entity, name) else {
+            let kind = entity.records.first().map_or("", |record| record.name);
+            let what = format!("is a transformation of an unsupported kind: {kind}");
+            return Err(self.file.unread(id, what));
         };
-        let surface = Arc::new(surface);
-        self.surfaces.insert(id, surface.clone());
-        Ok(surface)
-    }
-
-    fn other_surface(&mut self, id: u64, depth: usize) -> Result<CadSurface> {
-        let (kind, mut attributes) = self.file.simple(id)?;
-        if kind == "B_SPLINE_SURFACE_WITH_KNOTS" {
-            return self.spline_surface(id);
+        let base = self.file.part(&mut entity, "CARTESIAN_TRANSFORMATION_OPERATOR");
+        let (mut own, mut base) = (own, base);
+        if base.is_none() {
+            // Its names come first: one, or three if it also has those of a transformation.
+            own.skip(own.count_left().saturating_sub(OPERATOR))?;
         }
-        attributes.skip(1)?;
-        match kind {
-            "PLANE" => {
-                let frame = self.frame(attributes.reference()?)?;
-                let (origin, x, y) = (frame.origin(), frame.x(), frame.y());
-                Ok(CadSurface::Plane { origin, x, y })
-            }
-            "CYLINDRICAL_SURFACE"
-            | "CONICAL_SURFACE"
-            | "SPHERICAL_SURFACE"
-            | "TOROIDAL_SURFACE" => {
-                let frame = self.frame(attributes.reference()?)?;
-                self.round(kind, &frame, attributes)
-            }
-            "SURFACE_OF_REVOLUTION" => {
-                let curve = self.curve(attributes.reference()?)?;
-                let mut placement =
-                    self.file.of_type(attributes.reference()?, "AXIS1_PLACEMENT")?;
-                placement.skip(1)?;
-                let origin = self.point(placement.reference()?)?;
-                let axis = match placement.option()? {
-                    Some(id) => self.direction(id)?,
-                    None => [0.0, 0.0, 1.0],
-                };
-                let angles = (f64::NEG_INFINITY, f64::INFINITY);
-                Ok(CadSurface::Revolution { curve, origin, axis, angles })
-            }
-            "SURFACE_OF_LINEAR_EXTRUSION" => {
-                let curve = self.curve(attributes.reference()?)?;
-                let vector = self.vector(attributes.reference()?)?;
-                Ok(CadSurface::Extrusion { curve, vector })
-            }
-            "OFFSET_SURFACE" if depth < MAX_DEPTH => {
-                let base = self.surface_at(attributes.reference()?, depth + 1)?;
-                Ok(CadSurface::Offset { base, distance: attributes.real()? })
-            }
-            "RECTANGULAR_TRIMMED_SURFACE" if depth < MAX_DEPTH => {
-                // The loops of the face bound it, and its parameters are those of the basis
-                // surface.
-                self.surface_at(attributes.reference()?, depth + 1).map(Arc::unwrap_or_clone)
-            }
-            other => {
-                Err(self.file.unread(id, format!("is a surface of an unsupported kind: {other}")))
-            }
-        }
-    }
-
-    /// A cylinder, a cone, a sphere or a torus.
-    fn round(&self, kind: &str, frame: &Frame, mut attributes: Attributes) -> Result<CadSurface> {
-        let (origin, [x, y, z]) = (frame.origin(), [frame.x(), frame.y(), frame.z()]);
-        let mut measure = || {
-            let found = attributes.real()?;
-            let infinite = || self.file.error(attributes.id, "has a measure that is not finite");
-            if found.is_finite() { Ok(found) } else { Err(infinite()) }
+        let from = base.as_mut().unwrap_or(&mut own);
+        let axes = [from.option()?, from.option()?];
+        let origin: [f64; 3] = self.point(from.reference()?)?;
+        let scale = from.optional_real()?.unwrap_or(1.0);
+        let third = own.option()?;
+        let axis = |id: Option<u64>| id.map(|id| self.direction::<3>(id)).transpose();
+        let [x, y, z] = [axis(axes[0])?, axis(axes[1])?, axis(third)?];
+        let bad = || self.file.error(id, "is a transformation without proper axes");
+        let z = z.unwrap_or([0.0, 0.0, 1.0]);
+        let origin = origin.map(|x| self.unit * x);
+        let frame = match x {
+            Some(x) => Frame::new(origin, z, x),
+            None => without_x(origin, z),
         };
-        let radius = measure()?;
-        let [a, b, c] = [x, y, z].map(|axis| axis.map(|e| radius * e));
-        Ok(match kind {
-            "CYLINDRICAL_SURFACE" => CadSurface::Cylinder { origin, x: a, y: b, z },
-            "SPHERICAL_SURFACE" => CadSurface::Sphere { origin, x: a, y: b, z: c },
-            "CONICAL_SURFACE" => {
-                let slope = (self.angle * measure()?).tan();
-                CadSurface::Cone { origin, x, y, z, radius, slope }
-            }
-            _ => {
-                let minor = measure()?;
-                CadSurface::Torus { origin, x, y, z, major: radius, minor }
-            }
-        })
+        let frame = frame.map_err(|_| bad())?;
+        // The second axis tells whether the transformation mirrors.
+        let mirrors = y.is_some_and(|y| dot(y, frame.y()) < 0.0);
+        let y = if mirrors { frame.y().map(|e| -e) } else { frame.y() };
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(bad());
+        }
+        let axes = Affine::to_axes(origin.map(|x| x / scale), [frame.x(), y, frame.z()]);
+        Ok(Affine { scale, ..axes })
     }
+}
+
+/// The number of attributes of a transformation operator after its names.
+const OPERATOR: usize = 5;
+
+/// The frame whose direction of x the file omits: that of the coordinates, at right angles to z (ISO 10303-42,
+/// `first_proj_axis`).
+fn without_x(origin: [f64; 3], z: [f64; 3]) -> std::result::Result<Frame, String> {
+    Frame::new(origin, z, [1.0, 0.0, 0.0]).or_else(|_| Frame::new(origin, z, [0.0, 1.0, 0.0]))
 }

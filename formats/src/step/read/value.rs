@@ -1,5 +1,6 @@
 //! Parser of records and their parameters (ISO 10303-21, clauses 6 and 9).
 
+use super::names;
 use crate::token::excerpt;
 
 /// The largest depth of nested lists and typed parameters. No schema has a depth of more than
@@ -115,6 +116,48 @@ impl<'a> Cursor<'a> {
         text
     }
 
+    /// Whether an entity instance has a keyword that is `wanted`.
+    pub(super) fn has_keyword(&mut self, wanted: &dyn Fn(&str) -> bool) -> bool {
+        if !self.take(b"(") {
+            return wanted(names::long(self.word()));
+        }
+        loop {
+            self.skip_blank();
+            let word = self.word();
+            if word.is_empty() || wanted(names::long(word)) {
+                return !word.is_empty();
+            }
+            self.skip_blank();
+            self.skip_list();
+        }
+    }
+
+    /// Skips a list in parentheses, if there is one.
+    fn skip_list(&mut self) {
+        let mut depth = 0;
+        loop {
+            let telling = |b: &u8| matches!(b, b'(' | b')' | b'\'' | b';');
+            let Some(i) = self.rest().iter().position(telling) else {
+                self.at = self.bytes.len();
+                return;
+            };
+            self.at += i;
+            match self.peek() {
+                b'(' => depth += 1,
+                b')' => depth -= 1,
+                b';' => return,
+                _ => match self.rest()[1..].iter().position(|b| *b == b'\'') {
+                    Some(i) => self.at += i + 1,
+                    None => self.at = self.bytes.len() - 1,
+                },
+            }
+            self.at += 1;
+            if depth <= 0 {
+                return;
+            }
+        }
+    }
+
     /// The records of an entity instance, up to its semicolon.
     pub(super) fn instance(&mut self) -> Parsed<Vec<SimpleRecord<'a>>> {
         let mut records = Vec::new();
@@ -134,7 +177,7 @@ impl<'a> Cursor<'a> {
     }
 
     fn record(&mut self) -> Parsed<SimpleRecord<'a>> {
-        let name = self.word();
+        let name = names::long(self.word());
         self.skip_blank();
         if name.is_empty() || !self.take(b"(") {
             return Err(self.unexpected("an entity's name and ("));

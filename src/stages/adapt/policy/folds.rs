@@ -10,6 +10,7 @@ use crate::stages::adapt::moves::unfold::unfold;
 use crate::stages::adapt::problem::Problem;
 use crate::stages::adapt::run::FitRun;
 use crate::stages::adapt::state::State;
+use crate::stages::adapt::work::{MEND, MOST, MOST_FOR_MORE_KNOTS};
 use crate::stages::fit::STIFFNESSES;
 
 /// What became of an attempt's folds.
@@ -32,7 +33,7 @@ pub(crate) fn take_out(run: &mut FitRun, start: Attempt) -> Result<(Attempt, usi
     let mut best: Option<(Attempt, usize)> = None;
     for round in 0..=MOST_ROUNDS {
         let now = finer.as_ref().unwrap_or(&start);
-        let UnfoldTrial { inverted, found, lost } = unfolded(problem, now);
+        let UnfoldTrial { inverted, found, lost } = unfolded(run, now);
         before.get_or_insert(inverted);
         // Once there is a surface with fewer folds, knots are inserted one more time.
         let is_second = best.is_some();
@@ -43,6 +44,7 @@ pub(crate) fn take_out(run: &mut FitRun, start: Attempt) -> Result<(Attempt, usi
         }
         let is_done = inverted == 0 || is_second || round == MOST_ROUNDS;
         let pays = !is_done && may_insert && now.is_met(problem);
+        let pays = pays && !run.work.exceeds(problem, MOST_FOR_MORE_KNOTS);
         let Some(lost) = lost.filter(|_| pays) else { break };
         let Some(next) = with_knots_for(run, now, lost)? else { break };
         finer = Some(next);
@@ -72,7 +74,8 @@ fn with_knots_for(run: &mut FitRun, now: &Attempt, mut lost: Attempt) -> Result<
 
 /// Tries to take folds out over the same net; if a tolerance is named, in gentler
 /// ways, too, that start with less stiffness and more weight on the points that are lost.
-fn unfolded(problem: &Problem, start: &Attempt) -> UnfoldTrial {
+fn unfolded(run: &mut FitRun, start: &Attempt) -> UnfoldTrial {
+    let problem = run.problem;
     let mut tried = UnfoldTrial { inverted: usize::MAX, found: None, lost: None };
     let mut start = start.clone();
     let ways = if problem.goal.named { STIFFNESSES.len() } else { 1 };
@@ -82,7 +85,8 @@ fn unfolded(problem: &Problem, start: &Attempt) -> UnfoldTrial {
         }
         try_way(problem, &start, &STIFFNESSES[way..], &mut tried);
         let is_hopeless = tried.found.is_none() && tried.lost.is_none();
-        if tried.inverted == 0 || is_hopeless {
+        run.work.add(problem, &start, MEND);
+        if tried.inverted == 0 || is_hopeless || run.work.exceeds(problem, MOST) {
             break;
         }
     }

@@ -5,8 +5,8 @@
 //! σ √(1 − n/N) is left.
 
 use super::SAME;
-use super::noise::POINTS_A_CONTROL_POINT;
 use crate::stages::adapt::attempt::Attempt;
+use crate::stages::adapt::options::POINTS_A_CONTROL_POINT;
 use crate::stages::adapt::problem::Problem;
 use crate::statistics::level;
 

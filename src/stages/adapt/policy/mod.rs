@@ -5,7 +5,7 @@
 
 mod folds;
 mod hindrance;
-mod noise;
+pub(super) mod noise;
 mod tolerance;
 mod triangles;
 
@@ -15,6 +15,7 @@ use super::moves::remove::remove;
 use super::report::Folds;
 use super::run::FitRun;
 use super::state::State;
+use super::work::{MOST_FOR_FEWER_KNOTS, MOST_FOR_MORE_KNOTS};
 use crate::error::Result;
 use crate::stages::fit;
 
@@ -89,7 +90,7 @@ pub(crate) fn finish(run: &mut FitRun, best: Attempt) -> Result<(Attempt, Option
         return Ok((best, None));
     }
     let (best, inverted) = folds::take_out(run, best)?;
-    let (best, inverted) = triangles::hold(run.problem, best, inverted);
+    let (best, inverted) = triangles::hold(run, best, inverted);
     let samples = fit::jacobian_samples([&best.surface.u, &best.surface.v]);
     Ok((best, Some(Folds { inverted, samples })))
 }
@@ -99,6 +100,9 @@ fn correct_parameters(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let mut best = start;
     for _ in 0..MOST_CORRECTIONS {
+        if run.work.exceeds(problem, MOST_FOR_MORE_KNOTS) {
+            break;
+        }
         let next = run.fit(correct(problem, &best, FIRM_AREA))?;
         // Outliers of the one count for neither.
         let before = best.foot_points.rms_without(&next.state.outliers);
@@ -124,7 +128,7 @@ fn remove_knots(
 ) -> Result<Attempt> {
     let mut best = start;
     let mut share = FIRST_REMOVED;
-    while share >= LEAST_REMOVED {
+    while share >= LEAST_REMOVED && !run.work.exceeds(run.problem, MOST_FOR_FEWER_KNOTS) {
         let Some(state) = remove(run.problem, &best, share) else { break };
         let next = fit(run, state)?;
         if is_kept(&best, &next) {

@@ -21,10 +21,6 @@ use crate::statistics::outlying;
 /// What a control point must take off the sum of squares, in variances of the noise (Akaike).
 const PRICE: f64 = 2.0;
 
-/// The fewest measured points for a control point: smoothing looks at dozens of points at
-/// a time, so that finer nets find nothing left to follow.
-pub(crate) const POINTS_A_CONTROL_POINT: usize = 2;
-
 /// The rounds in a row without a better score after which there are no more. One worse net may
 /// come before a better one; each takes longer to fit than the best.
 const PATIENCE: usize = 2;
@@ -35,7 +31,8 @@ const PATIENCE: usize = 2;
 pub(crate) fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let best = insert_knots(run, start)?;
-    let is_better = |best: &Attempt, next: &Attempt| score(problem, next) < score(problem, best);
+    let worth = |of: &Attempt| score(problem, of, problem.goal.noise());
+    let is_better = |best: &Attempt, next: &Attempt| worth(next) < worth(best);
     let best = remove_knots(run, best, |run, state| run.fit(state), is_better)?;
     match problem.options.noise > 0.0 {
         true => Ok(best),
@@ -45,7 +42,7 @@ pub(crate) fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
 
 /// The most control points if nobody named a tolerance.
 pub(crate) fn largest_net(problem: &Problem) -> usize {
-    problem.options.knots.largest_net().min(problem.measured() / POINTS_A_CONTROL_POINT)
+    problem.options.knots.largest_net_for(problem.goal, problem.measured())
 }
 
 /// Inserts knots as long as they bring more than they cost.
@@ -65,7 +62,8 @@ fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
         let misses = misfits(problem, now);
         let Some(state) = insert(problem, now, &misses, &bounds) else { break };
         let next = run.fit(state)?;
-        if score(problem, &next) < score(problem, &best) {
+        let noise = problem.goal.noise();
+        if score(problem, &next, noise) < score(problem, &best, noise) {
             (best, last, idle) = (next, None, 0);
         } else {
             (last, idle) = (Some(next), idle + 1);
@@ -74,15 +72,15 @@ fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     Ok(best)
 }
 
-/// The score of an attempt; the smallest is the best.
-fn score(problem: &Problem, of: &Attempt) -> f64 {
-    let misfit: f64 = squares(problem, of).sum();
+/// The score of an attempt for a standard deviation of the noise; the smallest is the best.
+pub(crate) fn score(problem: &Problem, of: &Attempt, noise: f64) -> f64 {
+    let misfit: f64 = squares(problem, of, noise).sum();
     misfit + PRICE * of.surface.net.len() as f64
 }
 
 /// Where the measured vertices are, and the squares of their distances; 0 for outliers.
 fn misfits(problem: &Problem, of: &Attempt) -> Vec<Miss> {
-    let squares = squares(problem, of).zip(&of.state.uv);
+    let squares = squares(problem, of, problem.goal.noise()).zip(&of.state.uv);
     let mut all: Vec<Miss> = squares.map(|(square, &uv)| (uv, square)).collect();
     let outliers = reject::outliers(problem, &of.foot_points.distances);
     outliers.into_iter().for_each(|v| all[v].1 = 0.0);
@@ -92,8 +90,8 @@ fn misfits(problem: &Problem, of: &Attempt) -> Vec<Miss> {
 /// The squares of the measured vertices' distances, in variances of the noise, as often as vertices of
 /// the scan stand behind them. Points that are as far off as outliers count no more than these: a few
 /// of them are not the shape's.
-fn squares(problem: &Problem, of: &Attempt) -> impl Iterator<Item = f64> {
-    let (noise, far) = (problem.goal.noise(), outlying(problem.measured()));
+fn squares(problem: &Problem, of: &Attempt, noise: f64) -> impl Iterator<Item = f64> {
+    let far = outlying(problem.measured());
     let square = move |d: f64| (d / noise).min(far).powi(2);
     of.foot_points.measured().zip(&problem.counts).map(move |(d, count)| count * square(d))
 }

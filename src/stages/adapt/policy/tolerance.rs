@@ -11,6 +11,7 @@ use crate::stages::adapt::moves::reweight::reweight;
 use crate::stages::adapt::problem::Problem;
 use crate::stages::adapt::run::FitRun;
 use crate::stages::adapt::state::State;
+use crate::stages::adapt::work::MOST_FOR_MORE_KNOTS;
 use crate::stages::knots::InsertionLimits;
 
 /// The most times that weights are raised over the same knots. Each takes a fit, after which more
@@ -39,7 +40,8 @@ pub(crate) fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> 
     let mut idle = 0;
     loop {
         let now = last.as_ref().unwrap_or(&best);
-        if now.is_met(problem) || idle >= PATIENCE {
+        let is_spent = run.work.exceeds(problem, MOST_FOR_MORE_KNOTS);
+        if now.is_met(problem) || idle >= PATIENCE || is_spent {
             break;
         }
         run.hindrance = hindrance::hindering_noise(problem, now);

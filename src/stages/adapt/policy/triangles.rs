@@ -12,7 +12,9 @@ use crate::stages::adapt::moves::insert::finer_knots;
 use crate::stages::adapt::moves::mend::{around, maker, mend};
 use crate::stages::adapt::moves::unfold::inverted;
 use crate::stages::adapt::problem::Problem;
+use crate::stages::adapt::run::FitRun;
 use crate::stages::adapt::state::State;
+use crate::stages::adapt::work::{MEND, MOST};
 
 /// A triangle with so many knot cells in the mean is one of a needle that the map has drawn out
 /// beyond all use: looking at all of them takes longer than all the fits.
@@ -28,7 +30,8 @@ struct Misses {
 
 /// Mends the surface in triangles that it leaves by more than a named tolerance. Takes and
 /// returns how many of its Jacobian samples are inverted, too.
-pub(crate) fn hold(problem: &Problem, start: Attempt, inverted_before: usize) -> (Attempt, usize) {
+pub(crate) fn hold(run: &mut FitRun, start: Attempt, inverted_before: usize) -> (Attempt, usize) {
+    let problem = run.problem;
     if !problem.goal.named || cells_a_triangle(problem, &start) > MOST_CELLS {
         return (start, inverted_before);
     }
@@ -36,7 +39,7 @@ pub(crate) fn hold(problem: &Problem, start: Attempt, inverted_before: usize) ->
     if misses.count == 0 || is_hopeless(problem, &start, &misses) {
         return (start, inverted_before);
     }
-    match best_mended(problem, &start, misses) {
+    match best_mended(run, &start, misses) {
         Some(best) => {
             let inverted = inverted(problem, &best);
             (best, inverted)
@@ -47,18 +50,20 @@ pub(crate) fn hold(problem: &Problem, start: Attempt, inverted_before: usize) ->
 
 /// The attempt that misses least after mends, with more knots where these do not get further;
 /// `None` if none misses less than the first one.
-fn best_mended(problem: &Problem, start: &Attempt, mut misses: Misses) -> Option<Attempt> {
+fn best_mended(run: &mut FitRun, start: &Attempt, mut misses: Misses) -> Option<Attempt> {
+    let problem = run.problem;
     let (mut best, mut least, mut now) = (None, misses.count, start.clone());
     for round in 0..MOST_ROUNDS {
         let mut idle = 0;
-        while least > 0 && idle < PATIENCE {
+        while least > 0 && idle < PATIENCE && !run.work.exceeds(problem, MOST) {
             let Some(next) = mend(problem, &now, &misses.left) else { break };
+            run.work.add(problem, &next, MEND);
             (misses, now, idle) = (self::misses(problem, &next), next, idle + 1);
             if misses.count < least {
                 (best, least, idle) = (Some(now.clone()), misses.count, 0);
             }
         }
-        if least == 0 {
+        if least == 0 || run.work.exceeds(problem, MOST) {
             break;
         }
         match with_knots(problem, &now, &misses.left) {

@@ -1,7 +1,7 @@
 //! Directions, the best known first.
 
 use super::{Snap, SnapKind, Snapping};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, range};
 use crate::primitives::{Primitive, PrimitiveKind};
 
 /// A direction may turn by so many standard deviations. All vertices are tested, so a wide gate costs no truth.
@@ -88,10 +88,7 @@ fn turned(snapping: &Snapping, d: Vector) -> Option<Primitive> {
     match snapping.surface {
         Primitive::Plane { .. } => {
             // The middle of the extremes is the offset that allows most.
-            let heights = snapping.samples.iter().map(|s| s.at.coords.dot(&d));
-            let ends = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| {
-                [low.min(h), high.max(h)]
-            });
+            let ends = range(snapping.samples.iter().map(|s| s.at.coords.dot(&d)));
             let base = snapping.surface.origin();
             let off = (ends[0] + ends[1]) / 2.0 - base.coords.dot(&d);
             Some(Primitive::Plane { origin: base + off * d, normal: d })

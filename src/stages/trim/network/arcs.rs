@@ -92,7 +92,8 @@ impl OpenPolygon {
             };
             let far = |span: &[f64]| {
                 let held = inside(span);
-                held.len() > 1 && held.into_iter().any(is_far)
+                let between = held.windows(2).any(|pair| self.strays(&curve, pair[0]));
+                held.len() > 1 && (between || held.into_iter().any(is_far))
             };
             let halves: Vec<f64> =
                 breaks.windows(2).filter(|s| far(s)).map(|s| 0.5 * (s[0] + s[1])).collect();
@@ -108,7 +109,18 @@ impl OpenPolygon {
 
     /// The distance in mm of the curve from a corner at the corner's parameter.
     fn distance(&self, curve: &Curve<2>, i: usize) -> f64 {
-        let off = curve.point(self.at[i]) - self.uv[i].coords;
+        self.length(curve.point(self.at[i]) - self.uv[i].coords, i)
+    }
+
+    /// Whether the curve leaves its room in the middle between a corner and the next one.
+    fn strays(&self, curve: &Curve<2>, i: usize) -> bool {
+        let t = 0.5 * (self.at[i] + self.at[i + 1]);
+        let off = curve.point(t) - self.point(t).coords;
+        self.length(off, i) > self.room[i].max(self.room[i + 1])
+    }
+
+    /// The length in mm of a step in the parameter plane at a corner.
+    fn length(&self, off: Vector2<f64>, i: usize) -> f64 {
         let [a, b, c] = self.metric[i];
         (a * off.x * off.x + 2.0 * b * off.x * off.y + c * off.y * off.y).max(0.0).sqrt()
     }

@@ -34,6 +34,14 @@ pub struct NetworkRim {
     pub normals: Vec<Vector>,
 }
 
+impl NetworkRim {
+    /// The length around the rim, in mm.
+    pub(crate) fn length(&self) -> f64 {
+        let next = self.points.iter().cycle().skip(1);
+        self.points.iter().zip(next).map(|(a, b)| (b - a).norm()).sum()
+    }
+}
+
 /// How often a room, a span of an arc, or a part of a rim is halved at most. It is then a few thousandths
 /// as long.
 const MOST_HALVINGS: usize = 12;
@@ -71,16 +79,19 @@ pub fn cut(
         return Ok(NetworkCut::none(network));
     }
     let paths = NetworkPaths::new(network);
-    let traced = |rim: &NetworkRim| {
-        paths.runs(rim, options.rim).map_err(|at| CutFault {
+    let own: Vec<Options> =
+        rims.par_iter().map(|rim| options.of_rim(&rim.points, &rim.normals)).collect();
+    let traced = |(rim, own): (&NetworkRim, &Options)| {
+        paths.runs(rim, own.rim).map_err(|at| CutFault {
             of: rim.of,
             fault: "is not on the faces",
             at,
             surface: paths.nearest_surface(at),
         })
     };
-    let mut runs: Vec<Vec<RimRun>> = rims.par_iter().map(traced).collect::<Result<_, _>>()?;
-    paths.spread(&mut runs);
+    let mut runs: Vec<Vec<RimRun>> =
+        rims.par_iter().zip(&own).map(traced).collect::<Result<_, _>>()?;
+    paths.spread(&mut runs, &own.iter().map(|own| own.rim).collect::<Vec<_>>());
     let on_surface = |surface: usize, fault: &'static str| {
         let is_on = |run: &&RimRun| run.face == surface && !run.points.is_empty();
         let rim = runs.iter().position(|of_rim| of_rim.iter().any(|run| is_on(&run)));
@@ -88,7 +99,7 @@ pub fn cut(
         let at = runs[rim].iter().find(is_on).map_or(rims[rim].points[0], |run| run.points[0].1);
         CutFault { of: rims[rim].of, fault, at, surface }
     };
-    let mut fits = LoopFits::new(network, &runs, options)
+    let mut fits = LoopFits::new(network, &runs, &own)
         .map_err(|surface| on_surface(surface, "has no length on a face"))?;
     let mut faulty = Vec::new();
     // Each round halves the room of the arcs of faulty faces.
@@ -114,11 +125,11 @@ struct LoopFits {
 }
 
 impl LoopFits {
-    /// Returns the surface on which a loop has no length if there is one.
-    fn new(network: &Network, rims: &[Vec<RimRun>], options: &Options) -> Result<Self, usize> {
+    /// Each rim has its own options. Returns the surface on which a loop has no length if there is one.
+    fn new(network: &Network, rims: &[Vec<RimRun>], options: &[Options]) -> Result<Self, usize> {
         let end = network.end();
         let mut fits = LoopFits { nodes: Vec::new(), arcs: Vec::new() };
-        for runs in rims {
+        for (runs, options) in rims.iter().zip(options) {
             let first = fits.nodes.len();
             let leaving = runs.iter().filter_map(|run| run.leaves);
             fits.nodes.extend(leaving.map(|c| TrackNode { track: c.track, at: c.at }));

@@ -5,12 +5,15 @@
 
 use super::places::{NetworkPlace, NetworkPlaces};
 use super::{MOST_HALVINGS, NetworkRim};
-use crate::geometry::{Point, Uv, Vector};
+use crate::geometry::{Point, Uv, Vector, segment_distance};
 use crate::spline::{Network, SideUse};
 
 /// The least distance of a crossing from the ends of a track and from other crossings, as a share of
-/// the track. Shorter edges would be slivers.
+/// the track. Shorter edges would be slivers. It is less where a rim leaves less room than this.
 const LEAST_SHARE: f64 = 0.01;
+
+/// The least distance however little room a rim leaves.
+const LEAST_EVER: f64 = 1e-4;
 
 /// The number of places of a track that are compared with a point.
 const TRACK_SAMPLES: usize = 64;
@@ -79,7 +82,7 @@ impl<'a> NetworkPaths<'a> {
         let mut steps = Vec::new();
         for (a, b) in vertices.iter().zip(vertices.iter().cycle().skip(1)) {
             steps.push(PathStep::Vertex(*a));
-            self.connect(a, b, MOST_HALVINGS, &mut steps).ok_or(a.p)?;
+            self.connect(a, b, (room, MOST_HALVINGS), &mut steps).ok_or(a.p)?;
         }
         let mut runs = divided(&steps);
         while self.straighten(&mut runs, room) {}
@@ -91,18 +94,29 @@ impl<'a> NetworkPaths<'a> {
         self.places.nearest_surface(p)
     }
 
-    /// Adds the steps between two vertices.
+    /// Adds the steps between two vertices. The line between them is halved where it crosses no track, or where
+    /// it would be farther than `room` mm from the crossing, at most so often.
     fn connect(
         &self,
         a: &PlacedVertex,
         b: &PlacedVertex,
-        halvings: usize,
+        (room, halvings): (f64, usize),
         steps: &mut Vec<PathStep>,
     ) -> Option<()> {
         if a.place.face == b.place.face {
             return Some(());
         }
-        let crossings = self.over_side(a, b).or_else(|| self.around_corner(a, b));
+        let is_far = |of: &[Crossing]| {
+            let off = |of: &Crossing| {
+                let at = self.network.tracks[of.track].curve.point(of.at);
+                segment_distance(at.into(), a.p, b.p)
+            };
+            halvings > 0 && of.iter().any(|of| off(of) > room)
+        };
+        let crossings = match self.over_side(a, b) {
+            Some(crossings) => Some(crossings).filter(|crossings| !is_far(crossings)),
+            None => self.around_corner(a, b),
+        };
         if let Some(crossings) = crossings {
             steps.extend(crossings.into_iter().map(PathStep::Crossing));
             return Some(());
@@ -111,9 +125,9 @@ impl<'a> NetworkPaths<'a> {
         let normal = a.normal + b.normal;
         let middle = PlacedVertex { place: self.places.nearest(p, normal)?, p, normal };
         let halvings = halvings.checked_sub(1)?;
-        self.connect(a, &middle, halvings, steps)?;
+        self.connect(a, &middle, (room, halvings), steps)?;
         steps.push(PathStep::Vertex(middle));
-        self.connect(&middle, b, halvings, steps)
+        self.connect(&middle, b, (room, halvings), steps)
     }
 
     /// The crossing of a straight line over a common side of two surfaces.
@@ -181,6 +195,15 @@ impl<'a> NetworkPaths<'a> {
         at(nearest.unwrap_or(0))
     }
 
+    /// The least distance of a crossing from the ends of a track, as a share of the track, if it may be moved by
+    /// `room` mm.
+    fn least_share(&self, track: usize, room: f64) -> f64 {
+        let curve = &self.network.tracks[track].curve;
+        let at = |i: usize| curve.point(self.end * i as f64 / TRACK_SAMPLES as f64);
+        let length: f64 = (0..TRACK_SAMPLES).map(|i| (at(i + 1) - at(i)).norm()).sum();
+        (room / length.max(f64::MIN_POSITIVE)).clamp(LEAST_EVER, LEAST_SHARE)
+    }
+
     /// Pulls one part of a rim back that crosses a track only to return over it. Returns whether
     /// there was one.
     fn straighten(&self, runs: &mut Vec<RimRun>, room: f64) -> bool {
@@ -200,8 +223,8 @@ impl<'a> NetworkPaths<'a> {
         let Some(i) = back else { return false };
         runs.rotate_left(i);
         let away = runs.remove(0);
-        let Some(Crossing { sides: [there, here], .. }) = away.leaves else { return false };
-        let inset = LEAST_SHARE * self.end;
+        let Some(Crossing { sides: [there, here], track, .. }) = away.leaves else { return false };
+        let inset = self.least_share(track, room) * self.end;
         let pulled = away.points.iter().map(|&(at, p)| {
             let (t, _) = there.from_place(self.end, at);
             (here.place(self.end, t, inset), p)
@@ -220,16 +243,23 @@ impl<'a> NetworkPaths<'a> {
         true
     }
 
-    /// Keeps crossings away from the ends of their tracks and from each other.
-    pub(crate) fn spread(&self, rims: &mut [Vec<RimRun>]) {
-        let least = LEAST_SHARE * self.end;
+    /// Keeps crossings away from the ends of their tracks and from each other, and moves none by more than the
+    /// room that its rim leaves, in mm, unless that is hardly any.
+    pub(crate) fn spread(&self, rims: &mut [Vec<RimRun>], rooms: &[f64]) {
         let tracks = self.network.tracks.iter();
-        let mut of_tracks: Vec<Vec<&mut f64>> = tracks.map(|_| Vec::new()).collect();
-        for crossing in rims.iter_mut().flatten().filter_map(|run| run.leaves.as_mut()) {
-            of_tracks[crossing.track].push(&mut crossing.at);
+        let mut of_tracks: Vec<(Vec<&mut f64>, f64)> =
+            tracks.map(|_| (Vec::new(), f64::INFINITY)).collect();
+        for (runs, &room) in rims.iter_mut().zip(rooms) {
+            for crossing in runs.iter_mut().filter_map(|run| run.leaves.as_mut()) {
+                let (places, least) = &mut of_tracks[crossing.track];
+                places.push(&mut crossing.at);
+                *least = least.min(room);
+            }
         }
-        for places in &mut of_tracks {
+        let crossed = of_tracks.iter_mut().enumerate().filter(|(_, of)| !of.0.is_empty());
+        for (track, (places, room)) in crossed {
             places.sort_by(|a, b| a.total_cmp(b));
+            let least = self.least_share(track, *room) * self.end;
             let least = least.min(self.end / (2 * (places.len() + 1)) as f64);
             let mut low = least;
             for at in places.iter_mut() {

@@ -1,0 +1,180 @@
+//! Joins blocks of a scan along their common rims.
+//!
+//! Tiles, nodes of glTF and chunks of scanners repeat the points of their common rims with another rounding. Points
+//! on rims that are far nearer to each other than the edges there are the same point. Only points of rims
+//! are joined, and never two of one triangle.
+
+use rstar::primitives::GeomWithData;
+use rstar::{AABB, RTree};
+
+use super::build::{Repairs, count};
+use crate::geometry::sets::Sets;
+use crate::geometry::{Point, VertexId};
+
+/// Points are the same if their distance is less than this share of the shortest edge at them. The points of scans vary
+/// by tenths of an edge, and those of other roundings by millionths.
+const SAME: f64 = 1e-3;
+
+/// Or less than so many steps of numbers of 32 bits, in which both may be rounded once in a transform and
+/// once in the file.
+const STEPS: f64 = 4.0;
+
+/// But no more than this share of the shortest edge, so that no chain of joined points takes a triangle away.
+const MOST: f64 = 0.25;
+
+/// The distance up to which points of rims are joined.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum SeamWidth {
+    /// A thousandth of the shortest edge there, or a few steps of the file's numbers.
+    #[default]
+    Auto,
+    /// A length in mm, but no more than a quarter of the shortest edge there. 0 joins nothing.
+    Fixed(f64),
+}
+
+/// Joins points on rims, and returns whether there were any to join. Of those that are joined, each has the number of the first one afterwards. `number` has the point of
+/// each point of the file. The unit of the points is `mm` millimetres long.
+pub(super) fn join_rims(
+    points: &[Point],
+    triangles: &mut [[VertexId; 3]],
+    number: &mut [u32],
+    (width, mm): (SeamWidth, f64),
+    repairs: &mut Repairs,
+) -> bool {
+    if width == SeamWidth::Fixed(0.0) {
+        return false;
+    }
+    let rims = rims(triangles);
+    let shortest = shortest_edges(points, triangles, &rims);
+    let step = single_step(points);
+    let reach = |v: u32| {
+        let edge = shortest[v as usize];
+        let wanted = match width {
+            SeamWidth::Auto => (SAME * edge).max(STEPS * step),
+            SeamWidth::Fixed(length) => length / mm,
+        };
+        wanted.min(MOST * edge)
+    };
+    let place = |&v: &u32| GeomWithData::new(<[f64; 3]>::from(points[v as usize]), v);
+    let tree = RTree::bulk_load(rims.iter().map(place).collect());
+    let mut sets = Sets::new(points.len());
+    for &v in &rims {
+        let (p, far) = (points[v as usize], reach(v));
+        let [low, high] = [-far, far].map(|d| p.coords.map(|x| x + d).into());
+        for near in tree.locate_in_envelope(AABB::from_corners(low, high)) {
+            let w = near.data;
+            let distance = (points[w as usize] - p).norm();
+            if w > v && distance <= far.min(reach(w)) {
+                sets.join(v as usize, w as usize);
+            }
+        }
+    }
+    // The first point of each set stands for all.
+    let first: Vec<u32> = (0..points.len()).map(|v| sets.find(v) as u32).collect();
+    let joined = rims.iter().filter(|&&v| first[v as usize] != v).count();
+    if joined == 0 {
+        return false;
+    }
+    count(repairs, "joined_rim_vertices", joined);
+    triangles.iter_mut().flatten().for_each(|v| *v = VertexId(first[v.index()]));
+    number.iter_mut().for_each(|v| *v = first.get(*v as usize).copied().unwrap_or(*v));
+    true
+}
+
+/// The vertices at the ends of sides that only one triangle has, in ascending order.
+fn rims(triangles: &[[VertexId; 3]]) -> Vec<u32> {
+    let sides =
+        triangles.iter().flat_map(|t| [[t[0].0, t[1].0], [t[1].0, t[2].0], [t[2].0, t[0].0]]);
+    let mut sides: Vec<[u32; 2]> = sides.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    sides.sort_unstable();
+    let single = sides.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+    let mut rims: Vec<u32> = single.flat_map(|same| same[0]).collect();
+    rims.sort_unstable();
+    rims.dedup();
+    rims
+}
+
+/// The length of the shortest edge at each vertex of a rim; 0 at other vertices.
+fn shortest_edges(points: &[Point], triangles: &[[VertexId; 3]], rims: &[u32]) -> Vec<f64> {
+    let mut shortest = vec![0.0; points.len()];
+    rims.iter().for_each(|&v| shortest[v as usize] = f64::INFINITY);
+    for t in triangles {
+        for k in 0..3 {
+            let [a, b] = [t[k].index(), t[(k + 1) % 3].index()];
+            let length = (points[b] - points[a]).norm();
+            for v in [a, b] {
+                shortest[v] = length.min(shortest[v]);
+            }
+        }
+    }
+    shortest
+}
+
+/// The distance of the largest coordinate from the next number of 32 bits. 0 if not all numbers are such.
+fn single_step(points: &[Point]) -> f64 {
+    let mut largest = 0.0;
+    for &x in points.iter().flat_map(|p| p.iter()) {
+        if f64::from(x as f32) != x {
+            return 0.0;
+        }
+        largest = x.abs().max(largest);
+    }
+    largest * f64::from(f32::EPSILON)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two squares of two triangles beside each other. The common side of the second is moved by `off`.
+    fn squares(off: f64) -> (Vec<Point>, Vec<[VertexId; 3]>) {
+        let x = [0.0, 1.0, 1.0, 0.0, 1.0 + off, 2.0, 2.0, 1.0 + off];
+        let y = [0.0, 0.0, 1.0, 1.0];
+        let points = (0..8).map(|k| Point::new(x[k], y[k % 4], 0.1)).collect();
+        let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+        (points, triangles.map(|t| t.map(VertexId)).to_vec())
+    }
+
+    fn joined(off: f64, width: SeamWidth) -> Option<usize> {
+        let (points, mut triangles) = squares(off);
+        let mut number: Vec<u32> = (0..8).collect();
+        let mut repairs = Repairs::new();
+        join_rims(&points, &mut triangles, &mut number, (width, 10.0), &mut repairs);
+        if repairs.contains_key("joined_rim_vertices") {
+            assert_eq!(number, [0, 1, 2, 3, 1, 5, 6, 2]);
+            assert_eq!(triangles[2..], [[1, 5, 6], [1, 6, 2]].map(|t| t.map(VertexId)));
+        }
+        repairs.get("joined_rim_vertices").copied()
+    }
+
+    #[test]
+    fn rims_far_nearer_than_their_edges_are_joined() {
+        assert_eq!(joined(1e-6, SeamWidth::Auto), Some(2));
+        assert_eq!(joined(-5e-4, SeamWidth::Auto), Some(2));
+        assert_eq!(joined(1e-2, SeamWidth::Auto), None);
+        assert_eq!(joined(1e-6, SeamWidth::Fixed(0.0)), None);
+        assert_eq!(joined(1e-2, SeamWidth::Fixed(0.5)), Some(2));
+        assert_eq!(joined(1e-2, SeamWidth::Fixed(0.05)), None);
+        assert_eq!(joined(0.3, SeamWidth::Fixed(1e9)), None);
+    }
+
+    #[test]
+    fn points_inside_of_a_sheet_stay() {
+        // A fan whose inner point is very near to its neighbours, and both of whose rims are not.
+        let points: Vec<Point> = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [1e-9, 0.0]]
+            .map(|[x, y]| Point::new(x, y, 0.0))
+            .to_vec();
+        let mut triangles = [[0, 1, 2], [0, 2, 3], [4, 3, 1]].map(|t| t.map(VertexId)).to_vec();
+        let mut number: Vec<u32> = (0..5).collect();
+        let before = triangles[..2].to_vec();
+        join_rims(
+            &points,
+            &mut triangles,
+            &mut number,
+            (SeamWidth::Auto, 1.0),
+            &mut Repairs::new(),
+        );
+        assert_eq!(triangles[..2], before);
+        assert_eq!(number, [0, 1, 2, 3, 0]);
+    }
+}
