@@ -236,25 +236,109 @@ fn the_angle_on_an_iges_cylinder_is_in_degrees() {
         (0, 0, ""),
         (110, 0, "110,0.,0.,0.,360.,0.,0.;"),
     ];
-    let mut lines = vec![format!("{:72}S      1", "")];
-    lines.push(format!(
-        "{:72}G      1",
-        "1H,,1H;,,,,,32,38,6,308,15,,1.,2,2HMM,1,0.1,,1E-7,9.,,,11,0;"
-    ));
-    for (i, (kind, form, _)) in parameters.iter().enumerate() {
-        let n = 2 * i + 1;
-        lines.push(format!("{kind:8}{:8}{:48}00010000D{n:7}", i + 1, ""));
-        lines.push(format!("{kind:8}{:16}{:8}{form:8}{:32}D{:7}", "", 1, "", n + 1));
-    }
-    for (i, (.., text)) in parameters.iter().enumerate() {
-        lines.push(format!("{text:64}{:8}P{:7}", 2 * i + 1, i + 1));
-    }
-    lines.push(format!("{:72}T      1", ""));
-    let model = read(&(lines.join("\n") + "\n")).unwrap();
+    let model = read(&deck(&parameters)).unwrap();
     let CadSurface::Cylinder { x, z, .. } = *model.faces[0].surface else { panic!() };
     assert_eq!((x, z), ([3.0, 0.0, 0.0], [0.0, 0.0, 1.0]));
     let CurveShape::Line { direction, .. } = model.faces[0].loops[0][0].pcurves[0].shape else {
         panic!()
     };
     assert_eq!(direction, [std::f64::consts::TAU, 0.0]);
+}
+
+/// The file of some entities: of each its type, its form and its parameters. Those of type 0 are not independent.
+fn deck(parameters: &[(i64, i64, &str)]) -> String {
+    let mut lines = vec![format!("{:72}S      1", "")];
+    lines.push(format!(
+        "{:72}G      1",
+        "1H,,1H;,,,,,32,38,6,308,15,,1.,2,2HMM,1,0.1,,1E-7,9.,,,11,0;"
+    ));
+    let (mut data, mut first) = (Vec::new(), 1);
+    for (i, (kind, form, text)) in parameters.iter().enumerate() {
+        let n = 2 * i + 1;
+        lines.push(format!("{kind:8}{first:8}{:48}00010000D{n:7}", ""));
+        let part = text.as_bytes().chunks(64).map(|part| String::from_utf8_lossy(part));
+        let part: Vec<_> = part.collect();
+        let count = part.len().max(1);
+        lines.push(format!("{kind:8}{:16}{count:8}{form:8}{:32}D{:7}", "", "", n + 1));
+        for line in part {
+            data.push(format!("{line:64}{n:8}P{:7}", data.len() + 1));
+        }
+        first = data.len() + 1;
+    }
+    lines.append(&mut data);
+    lines.push(format!("{:72}T      1", ""));
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn cubic_polynomials_are_read() {
+    // u + 2 u² over [0, 2], and then from 3 to 10 on a line; the surface has the height (1 + s²) (1 + t³).
+    let zeros = "0.,".repeat(16);
+    let plane = "0.,1.,0.,0.,".to_owned()
+        + &"0.,".repeat(12)
+        + "0.,0.,0.,0.,1.,0.,0.,0.,"
+        + &"0.,".repeat(8);
+    let height = "1.,0.,1.,0.,".to_owned() + &"0.,".repeat(8) + "1.,0.,1.,0.,";
+    let surface = format!("114,3,1,1,1,0.,2.,0.,1.,{plane}{height}{}0.;", zeros.repeat(9));
+    let curve = "112,3,1,3,2,0.,2.,3.,0.,1.,2.,0.,0.,0.,0.,0.,5.,0.,0.,0.,10.,1.,0.,0.,0.,0.,0.,0.,5.,0.,0.,0.;";
+    let line = |x: f64| format!("110,{x:?},0.,5.,{x:?},4.,5.;");
+    let (from, to) = (line(0.0), line(11.0));
+    let parameters = [
+        (143, 0, "143,0,3,1,5;"),
+        (114, 0, &*surface),
+        (141, 0, "141,0,0,3,4,7,1,0,9,2,0,7,2,0,11,1,0;"),
+        (112, 0, curve),
+        (110, 0, &from),
+        (110, 0, &to),
+    ];
+    let model = read(&deck(&parameters)).unwrap();
+    let CadSurface::Spline(surface) = &*model.faces[0].surface else { panic!() };
+    for (u, v) in [(0.0, 0.0), (0.5, 0.25), (2.0, 1.0), (1.5, 0.75)] {
+        let expected = [u, v, (1.0 + u * u) * (1.0 + v * v * v)];
+        let found = surface.point(u, v);
+        assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-12), "{found:?} {expected:?}");
+    }
+    let edges = &model.faces[0].loops[0];
+    assert_eq!(
+        edges.iter().map(|edge| edge.forward).collect::<Vec<_>>(),
+        [true, false, false, true]
+    );
+    let CurveShape::Spline(curve) = &edges[0].curve.as_ref().unwrap().shape else { panic!() };
+    for (t, x) in [(0.0, 0.0), (1.0, 3.0), (2.0, 10.0), (2.5, 10.5), (3.0, 11.0)] {
+        assert!((curve.point(t)[0] - x).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn ruled_surfaces_are_read() {
+    let curve = "112,3,1,3,2,0.,2.,4.,0.,1.,0.5,0.,0.,0.,0.,0.,5.,0.,0.,0.,4.,1.,0.,0.,0.,0.,1.,0.,5.,0.,0.,0.;";
+    let arc =
+        "126,2,2,0,0,0,0,0.,0.,0.,1.,1.,1.,1.,0.7,1.,8.,0.,0.,5.,5.,0.,0.,6.,0.,0.,1.,0.,0.,1.;";
+    let parameters = [(118, 1, "118,3,5,1,0;"), (112, 0, curve), (126, 0, arc)];
+    let text = deck(&parameters);
+    let model = read(&text.replacen("00010000D      1", "00000000D      1", 1)).unwrap();
+    let CadSurface::Spline(surface) = &*model.faces[0].surface else { panic!() };
+    for t in [0.0, 0.2, 0.5, 0.9, 1.0] {
+        let s = 4.0 * t;
+        let first = if s <= 2.0 {
+            [s + 0.5 * s * s, 0.0, 5.0]
+        } else {
+            [s + 2.0, (s - 2.0) * (s - 2.0), 5.0]
+        };
+        // The other curve runs backwards.
+        let (a, b, c) = (t * t, 1.4 * t * (1.0 - t), (1.0 - t) * (1.0 - t));
+        let w = a + b + c;
+        let second = [(8.0 * a + 5.0 * b) / w, (5.0 * b + 6.0 * c) / w, 0.0];
+        for v in [0.0, 0.3, 1.0] {
+            let found = surface.point(t, v);
+            let expected: [f64; 3] = std::array::from_fn(|i| (1.0 - v) * first[i] + v * second[i]);
+            assert!(
+                (0..3).all(|i| (found[i] - expected[i]).abs() < 1e-12),
+                "{found:?} {expected:?}"
+            );
+        }
+    }
+    let by_length = deck(&[(118, 0, "118,3,5,1,0;"), parameters[1], parameters[2]]);
+    let by_length = read(&by_length.replacen("00010000D      1", "00000000D      1", 1));
+    assert!(by_length.unwrap_err().to_string().contains("by the lengths of its curves"));
 }

@@ -239,23 +239,31 @@ impl Work<'_> {
         for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
             candidates.push(Vector::new(x, y, 1.0).normalize());
         }
-        let mut all: Vec<Point> = rings.concat();
-        for &t in &self.patches[i].triangles {
-            let corners = self.mesh.corners(self.mesh.triangles[t as usize]);
-            all.push(Point::from(corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0));
-        }
-        let worst = |axis: &Vector| {
-            let towards = all.iter().filter_map(|p| (p - centre).try_normalize(0.0));
-            towards.map(|d| d.dot(axis).abs()).fold(0.0, f64::max)
+        let towards = |p: &Point| (p - centre).try_normalize(0.0);
+        let border: Vec<Vector> = rings.iter().flatten().filter_map(towards).collect();
+        let of = |&t: &u32| self.mesh.corners(self.mesh.triangles[t as usize]).map(|p| p - centre);
+        let triangles: Vec<[Vector; 3]> = self.patches[i].triangles.iter().map(of).collect();
+        // The cosine to what is nearest of the face.
+        let nearest = |pole: Vector| match triangles.iter().any(|corners| is_within(pole, corners)) {
+            true => 1.0,
+            false => border.iter().map(|d| d.dot(&pole)).fold(-1.0, f64::max),
         };
-        let mut best = (f64::INFINITY, Vector::z());
-        for axis in candidates {
-            let found = worst(&axis);
-            if found < best.0 - 1e-6 {
-                best = (found, axis);
+        let best_of = |axes: &[Vector], worst: &dyn Fn(Vector) -> f64| {
+            let mut best = (f64::INFINITY, None);
+            for &axis in axes {
+                let found = worst(axis);
+                if found < best.0 - 1e-6 {
+                    best = (found, Some(axis));
+                }
             }
+            best
+        };
+        if let (found, Some(axis)) = best_of(&candidates, &|axis| nearest(axis).max(nearest(-axis)))
+            && found < POLE
+        {
+            return axis;
         }
-        if best.0 < POLE { best.1 } else { through.first().copied().unwrap_or(best.1) }
+        best_of(&through, &|axis| nearest(axis).min(nearest(-axis))).1.unwrap_or(candidates[0])
     }
 
     pub(super) fn pair(&self, left: usize, right: usize, touches: bool) -> Pair<'_> {
@@ -281,6 +289,14 @@ fn crossings(angles: &[f64], at: f64) -> usize {
     let Some(&last) = offs.last() else { return 0 };
     let before = std::iter::once(last).chain(offs.iter().copied());
     before.zip(&offs).filter(|(a, b)| passes(*a, **b)).count()
+}
+
+/// Whether a direction points into the triangle of three others.
+fn is_within(direction: Vector, corners: &[Vector; 3]) -> bool {
+    let [a, b, c] = corners;
+    let sides = [a.cross(b), b.cross(c), c.cross(a)].map(|normal| normal.dot(&direction));
+    let ahead = (a + b + c).dot(&direction) > 0.0;
+    ahead && (sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0))
 }
 
 fn loop_normal(ring: &[Point]) -> Option<Vector> {

@@ -70,6 +70,55 @@ impl<'d> FaceReader<'d> {
         Ok(face(pointer, surface, (outer == 0, None), loops))
     }
 
+    /// Reads a bounded surface (143).
+    pub(super) fn bounded(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
+        let place = self.geometry.place(pointer, unit)?;
+        let mut p = self.deck.parameters(pointer)?;
+        p.skip(1);
+        let (surface, count) = (p.integer()?, p.count()?);
+        let boundaries = p.several(count, Parameters::integer)?;
+        let loops = boundaries.into_iter().map(|boundary| self.boundary(boundary, &place));
+        let mut loops: Vec<Vec<CadEdge>> = loops.collect::<Result<_>>()?;
+        self.convert_parameters(surface, &mut loops)?;
+        let surface = self.geometry.surface(surface, &place)?;
+        Ok(face(pointer, surface, (loops.is_empty(), None), loops))
+    }
+
+    /// Reads the loop of a bounded surface (141): curves in space, which may run against the loop, each with its pcurves,
+    /// which run with the loop.
+    fn boundary(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadEdge>> {
+        let mut p = self.geometry.of_kind(pointer, 141, "a boundary")?;
+        p.skip(3);
+        let count = p.count()?;
+        let uses = p.several(count, |p| {
+            let (curve, is_against) = (p.integer()?, p.integer()? == 2);
+            let flat = p.count()?;
+            Ok((curve, is_against, p.several(flat, Parameters::integer)?))
+        })?;
+        let place = self.geometry.place(pointer, outer)?;
+        let mut edges = Vec::new();
+        for (curve, is_against, flat) in uses {
+            let mut curves = self.geometry.curves(curve, &place)?;
+            if is_against {
+                curves.reverse();
+            }
+            let flat = flat.into_iter().map(|pcurve| self.geometry.pcurves(pcurve));
+            let pcurves = flat.collect::<Result<Vec<_>>>()?.concat();
+            let are_paired = curves.len() == pcurves.len();
+            for (i, curve) in curves.into_iter().enumerate() {
+                let pcurves = if are_paired { vec![pcurves[i].clone()] } else { Vec::new() };
+                edges.push(CadEdge {
+                    curve: Some(curve),
+                    ends: None,
+                    forward: !is_against,
+                    pcurves,
+                    pcurve_forward: true,
+                });
+            }
+        }
+        Ok(edges)
+    }
+
     /// Converts pcurves to the parameters of the model's surface.
     fn convert_parameters(&self, surface: i64, loops: &mut [Vec<CadEdge>]) -> Result<()> {
         let kind = self.deck.entry(surface)?.kind;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::deck::Deck;
 use super::parameters::Parameters;
 use super::shape::{arc, conic, flat, middle_normal, over_unit, turned};
+use super::{polynomial, ruled};
 use crate::Result;
 use crate::cad::affine::{Affine, cross, dot, unit};
 use crate::cad::{CadCurve, CadSurface, CurveShape};
@@ -127,6 +128,10 @@ impl<'d> IgesGeometry<'d> {
                 let shape = CurveShape::Line { origin, direction };
                 Ok(CadCurve { shape, range: Some((0.0, 1.0)) })
             }
+            112 => {
+                let spline = polynomial::curve(&mut p)?.map_err(|e| self.deck.error(pointer, e))?;
+                Ok(CadCurve { shape: CurveShape::Spline(spline), range: None })
+            }
             126 => self.spline(pointer, p),
             kind => {
                 let form = entry.form;
@@ -181,6 +186,11 @@ impl<'d> IgesGeometry<'d> {
         let mut p = self.deck.parameters(pointer)?;
         match entry.kind {
             108 => self.plane(pointer, &mut p),
+            114 => {
+                let spline = polynomial::surface(&mut p)?;
+                spline.map(CadSurface::Spline).map_err(|e| self.deck.error(pointer, e))
+            }
+            118 => self.ruled(pointer, entry.form, p),
             122 => self.tabulated(pointer, p),
             128 => self.spline_surface(pointer, p),
             140 if depth < MAX_DEPTH => {
@@ -246,6 +256,31 @@ impl<'d> IgesGeometry<'d> {
             return Err(self.deck.error(pointer, "is a cylinder without a height"));
         }
         Ok(CadSurface::Extrusion { curve, vector })
+    }
+
+    /// A ruled surface. Form 0 joins places of equal shares of the lengths of both curves, which those of equal parameters
+    /// are on lines. Form 1 joins places of equal parameters.
+    fn ruled(&self, pointer: i64, form: i64, mut p: Parameters) -> Result<CadSurface> {
+        let pointers = [p.integer()?, p.integer()?];
+        let is_opposite = p.integer()? != 0;
+        let mut curves = Vec::new();
+        for curve in pointers {
+            let place = self.place(curve, &Affine::scaling(1.0))?;
+            curves.push(place.curve(self.curve(curve)?));
+        }
+        let is_line = |curve: &CadCurve<3>| matches!(curve.shape, CurveShape::Line { .. });
+        let splines = [ruled::spline(&curves[0]), ruled::spline(&curves[1])];
+        let [Some(first), Some(second)] = splines else {
+            return Err(self.deck.unread(pointer, "is a ruled surface beside a conic"));
+        };
+        if form == 0 && !curves.iter().all(is_line) {
+            return Err(self
+                .deck
+                .unread(pointer, "is a ruled surface by the lengths of its curves"));
+        }
+        let second = if is_opposite { second.reversed() } else { second };
+        let surface = ruled::between([first, second]);
+        surface.map(CadSurface::Spline).map_err(|e| self.deck.error(pointer, e))
     }
 
     fn spline_surface(&self, pointer: i64, mut p: Parameters) -> Result<CadSurface> {

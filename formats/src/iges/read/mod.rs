@@ -8,6 +8,8 @@ mod elementary;
 mod faces;
 mod geometry;
 mod parameters;
+mod polynomial;
+mod ruled;
 mod shape;
 
 use std::path::Path;
@@ -32,7 +34,8 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
         match entry.kind {
             144 => model.faces.push(faces.trimmed(pointer, &unit)?),
             186 => in_solids.extend(faces.shells(pointer)?),
-            143 | 408 => {
+            143 => model.faces.push(faces.bounded(pointer, &unit)?),
+            408 => {
                 let what = format!("is of an unsupported type: {}", entry.kind);
                 return Err(deck.unread(pointer, what));
             }
