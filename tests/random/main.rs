@@ -4,6 +4,8 @@
 //! same in every run, unless `PROPTEST_RNG_SEED` and `PROPTEST_CASES` ask for others.
 //! `regressions.rs` has cases that failed once.
 
+#[cfg(feature = "cli")]
+mod brought;
 mod choices;
 #[cfg(feature = "cli")]
 mod command;

@@ -79,9 +79,17 @@ impl<'a> Layers<'a> {
         let LayerSearch { found, places, list } = search;
         let around = if self.distance.is_some() { AROUND } else { 1 };
         self.near.nearest_n(own, around * count + 1, found);
-        let is_upper = match self.distinction {
-            Distinction::Heights => self.two_layers(own, found, places).map(|two| two.is_upper),
-            Distinction::None | Distinction::Facing(_) => None,
+        let is_upper = match (&self.distinction, self.distance) {
+            (Distinction::Heights, Some(distance)) => {
+                let nearer = found.partition_point(|f| f.1 < distance.powi(2));
+                let two = self.two_layers(own, found, places).map(|two| two.is_upper);
+                if two.is_none() && nearer > count {
+                    // What is nearer than the other layer is in this one.
+                    found.truncate(nearer);
+                }
+                two
+            }
+            _ => None,
         };
         let is_own = |j: u32| j as usize == i;
         let at = found.iter().position(|f| is_own(f.0));

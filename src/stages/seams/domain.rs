@@ -244,7 +244,8 @@ impl Work<'_> {
         let of = |&t: &u32| self.mesh.corners(self.mesh.triangles[t as usize]).map(|p| p - centre);
         let triangles: Vec<[Vector; 3]> = self.patches[i].triangles.iter().map(of).collect();
         // The cosine to what is nearest of the face.
-        let nearest = |pole: Vector| match triangles.iter().any(|corners| is_within(pole, corners)) {
+        let nearest = |pole: Vector| match triangles.iter().any(|corners| is_within(pole, corners))
+        {
             true => 1.0,
             false => border.iter().map(|d| d.dot(&pole)).fold(-1.0, f64::max),
         };
