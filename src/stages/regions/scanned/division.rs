@@ -3,15 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::growth::Room;
-use super::model::{MOST_OFF, Model, cheapest};
+use super::model::{MOST_OFF, MOST_SAMPLES, Model, cheapest};
 use super::scan::Scan;
 use crate::geometry::NONE;
-
-/// The vertices that suffice to fit a merged region, and to choose a kind.
-const JOINT_SAMPLES: usize = 600;
-
-/// The vertices of a final fit.
-const CORE_SAMPLES: usize = 5000;
 
 /// The steps of the fit to the core of a region.
 const CORE_STEPS: usize = 10;
@@ -130,7 +124,7 @@ impl Division {
                 }
                 let separate = x.model.total(scan, &x.vertices) + y.model.total(scan, &y.vertices);
                 let both: Vec<u32> = x.vertices.iter().chain(&y.vertices).copied().collect();
-                let joint = cheapest(scan, &both, &[x.model, y.model], JOINT_SAMPLES);
+                let joint = cheapest(scan, &both, &[x.model, y.model]);
                 let Some((model, total)) = joint.filter(|(_, total)| *total < separate) else {
                     continue;
                 };
@@ -260,14 +254,14 @@ impl Division {
         self.list();
     }
 
-    /// The vertices of a region all of whose neighbours belong to it, or all if those are too few: noise decides where
-    /// the vertices beside a border are.
+    /// The vertices of a region all of whose neighbours belong to it, or all if those are less than half: noise decides
+    /// where the vertices beside a border are, but the middle of a thin blend looks flat.
     pub(super) fn core(&self, scan: &Scan, a: usize) -> Vec<u32> {
         let part = &self.parts[a];
         let is_inside =
             |v: &u32| scan.near(*v).iter().all(|&w| self.labels[w as usize] as usize == a);
         let core: Vec<u32> = part.vertices.iter().copied().filter(is_inside).collect();
-        let least = 3 * part.model.kind().parameters() + 10;
+        let least = (3 * part.model.kind().parameters() + 10).max(part.vertices.len() / 2);
         if core.len() < least { part.vertices.clone() } else { core }
     }
 
@@ -277,12 +271,12 @@ impl Division {
         for a in alive {
             let core = self.core(scan, a);
             let part = &mut self.parts[a];
-            if let Some(model) = part.model.refitted(scan, &core, CORE_SAMPLES, CORE_STEPS) {
+            if let Some(model) = part.model.refitted(scan, &core, MOST_SAMPLES, CORE_STEPS) {
                 part.model = model;
             }
             if choose && core.len() >= FEWEST_CORE {
                 let own = part.model.total(scan, &core);
-                let other = cheapest(scan, &core, &[], JOINT_SAMPLES);
+                let other = cheapest(scan, &core, &[]);
                 let better = other.filter(|(model, total)| {
                     *total < own
                         && model.kind() != part.model.kind()

@@ -22,6 +22,15 @@ const LEAST_DEPTH: u32 = 3;
 /// The places that are looked at lie half as many rings outside as the region is deep, within these bounds.
 const RINGS_OUTSIDE: [u32; 2] = [2, 12];
 
+/// A free-form surface is somewhere deeper than this, in rings; a chain of blends is not.
+const BLEND_DEPTH: u32 = 9;
+
+/// A blend is at most so many rings deep: deeper regions tell by themselves how they end.
+const BLEND_RINGS: u32 = 3;
+
+/// Neighbours whose normals differ by more than this, in radians, are on two sides of an edge.
+const BLEND_TURN: f64 = 0.44;
+
 /// What lies beyond a region's border.
 struct Outside {
     depth: u32,
@@ -54,10 +63,50 @@ pub(super) fn give_up(scan: &Scan, room: &mut Room, division: &mut Division) {
             break;
         }
     }
-    for a in alive.into_iter().filter(|&a| !is_face[a]) {
-        division.parts[a].vertices.iter().for_each(|&v| division.labels[v as usize] = NONE);
+    let is_left = |v: u32| {
+        let label = division.labels[v as usize];
+        label == NONE || !is_face[label as usize]
+    };
+    let is_deep = deep_clusters(scan, is_left);
+    for (&a, beyond) in alive.iter().zip(&outside).filter(|(a, _)| !is_face[**a]) {
+        let part = &division.parts[a];
+        let deep = part.vertices.iter().filter(|&&v| is_deep[v as usize]).count();
+        if beyond.depth > BLEND_RINGS || 2 * deep > part.vertices.len() {
+            part.vertices.iter().for_each(|&v| division.labels[v as usize] = NONE);
+        }
     }
     division.list();
+}
+
+/// Whether each vertex belongs to a smooth cluster of vertices that are left which is somewhere so deep that it has
+/// room for a free-form surface. The others are chains of blends between faces.
+fn deep_clusters(scan: &Scan, is_left: impl Fn(u32) -> bool) -> Vec<bool> {
+    let turn = BLEND_TURN.cos();
+    let is_joined = |v: u32, w: u32| is_left(w) && scan.normal(v).dot(&scan.normal(w)) > turn;
+    let is_inner = |v: u32| is_left(v) && scan.near(v).iter().all(|&w| is_joined(v, w));
+    let depths = depths(scan, |v| !is_inner(v));
+    let mut is_deep = vec![false; scan.len()];
+    let mut is_seen = vec![false; scan.len()];
+    for first in 0..scan.len() as u32 {
+        if is_seen[first as usize] || !is_left(first) {
+            continue;
+        }
+        is_seen[first as usize] = true;
+        let (mut found, mut done) = (vec![first], 0);
+        while let Some(&v) = found.get(done) {
+            done += 1;
+            for &w in scan.near(v) {
+                if !is_seen[w as usize] && is_joined(v, w) {
+                    is_seen[w as usize] = true;
+                    found.push(w);
+                }
+            }
+        }
+        if found.iter().any(|&v| depths[v as usize] > BLEND_DEPTH) {
+            found.into_iter().for_each(|v| is_deep[v as usize] = true);
+        }
+    }
+    is_deep
 }
 
 fn outside(scan: &Scan, room: &mut Room, division: &Division, a: usize) -> Outside {

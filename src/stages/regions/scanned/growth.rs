@@ -14,10 +14,10 @@ const MOST_SAMPLES: usize = 1500;
 const FEWEST: usize = 60;
 
 /// The most fits of a growth. Doubling as often reaches every size.
-const MOST_FITS: usize = 14;
+const MOST_FITS: usize = 20;
 
 /// A growth ends when a fit changes the number of its vertices by less than this share.
-const STABLE: f64 = 0.01;
+const STABLE: f64 = 0.001;
 
 /// A surface that keeps less than this share of its seed has left it.
 const KEPT: f64 = 0.6;

@@ -12,6 +12,7 @@
 //! The method is region growing with orthogonal fits (Várady, Martin, Cox, "Reverse engineering of geometric models",
 //! 1997; Benkő, Várady, "Segmentation methods for smooth point regions of conventional engineering objects", 2004).
 
+mod blends;
 mod division;
 mod freeform;
 mod growth;
@@ -95,7 +96,11 @@ pub fn find_scanned(mesh: &Mesh, noise: &ScanNoise) -> Regions {
     tick("borders", &division);
     seeds::anywhere(&scan, &mut room, &mut division);
     tick("anywhere", &division);
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
+        if round > 0 {
+            blends::find(&scan, &mut room, &mut division);
+            tick("blends", &division);
+        }
         division.merge(&scan, &mut room);
         tick("merge", &division);
         division.absorb(&scan, &mut room);

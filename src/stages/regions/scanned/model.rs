@@ -27,6 +27,10 @@ const LEAST_ANGLE: f64 = 0.005;
 /// The vertices that suffice to choose between starts.
 const FEW_SAMPLES: usize = 150;
 
+/// The vertices that suffice to choose a kind, and those of a final fit.
+const CHOICE_SAMPLES: usize = 600;
+pub(super) const MOST_SAMPLES: usize = 10_000;
+
 /// The steps of a fit from a rough start, and of one that follows more data.
 const FIRST_STEPS: usize = 8;
 pub(super) const MORE_STEPS: usize = 6;
@@ -166,7 +170,7 @@ pub(super) fn fitted(
     is_sane(scan, &found.surface).then_some(found)
 }
 
-fn is_sane(scan: &Scan, surface: &Primitive) -> bool {
+pub(super) fn is_sane(scan: &Scan, surface: &Primitive) -> bool {
     let is_radius = |r: f64| r > LEAST_RADIUS * scan.edge && r < MOST_RADIUS * scan.diagonal;
     match *surface {
         Primitive::Plane { .. } => true,
@@ -178,24 +182,29 @@ fn is_sane(scan: &Scan, surface: &Primitive) -> bool {
     }
 }
 
-/// The best model of any kind for vertices, with its total cost on them.
-pub(super) fn cheapest(
-    scan: &Scan,
-    vertices: &[u32],
-    known: &[Model],
-    most: usize,
-) -> Option<(Model, f64)> {
+/// The best model of any kind for vertices, with its total cost on them. `known` are surfaces that may be near.
+pub(super) fn cheapest(scan: &Scan, vertices: &[u32], known: &[Model]) -> Option<(Model, f64)> {
     let around = Neighbourhood::new(scan, some(vertices, FEW_SAMPLES));
     let mut best: Option<(Model, f64)> = None;
     for kind in PrimitiveKind::ALL {
         let near = known.iter().filter(|m| m.kind() == kind);
-        let near = near.filter_map(|m| m.refitted(scan, vertices, most, FIRST_STEPS));
-        let all = near.chain(Model::best(scan, kind, &around, vertices, most));
-        for model in all {
-            let total = model.total(scan, vertices);
-            if best.as_ref().is_none_or(|(_, least)| total < *least) {
-                best = Some((model, total));
+        let near = near.filter_map(|m| m.refitted(scan, vertices, CHOICE_SAMPLES, FIRST_STEPS));
+        let all = near.chain(Model::best(scan, kind, &around, vertices, CHOICE_SAMPLES));
+        let rated = all.map(|model| (model.total(scan, vertices), model));
+        let Some((mut total, mut model)) = rated.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            continue;
+        };
+        // A fit to a sample of the vertices costs more than the best one by about this.
+        let count = vertices.len() as f64;
+        let gain = SIGNIFICANT * kind.parameters() as f64 * count / CHOICE_SAMPLES as f64;
+        let may_win = best.as_ref().is_none_or(|(_, least)| total - gain < *least);
+        if vertices.len() > CHOICE_SAMPLES && may_win {
+            if let Some(better) = model.refitted(scan, vertices, MOST_SAMPLES, MORE_STEPS) {
+                (total, model) = (better.total(scan, vertices), better);
             }
+        }
+        if best.as_ref().is_none_or(|(_, least)| total < *least) {
+            best = Some((model, total));
         }
     }
     best
