@@ -16,6 +16,9 @@ const MOST_MERGES: usize = 8;
 /// Neighbours whose surfaces turn by more than this where they meet are no single surface, in radians.
 const MOST_BEND: f64 = 0.7;
 
+/// A border where the surfaces turn by more than this is sharp, in radians.
+const SHARP: f64 = 0.44;
+
 /// The standard deviation of a filtered normal, in radians, and the most that an angle costs.
 const NORMAL_DEVIATION: f64 = 0.15;
 const MOST_ANGLE_COST: f64 = 6.0;
@@ -254,15 +257,32 @@ impl Division {
         self.list();
     }
 
-    /// The vertices of a region all of whose neighbours belong to it, or all if those are less than half: noise decides
-    /// where the vertices beside a border are, but the middle of a thin blend looks flat.
+    /// The vertices of a region that surely belong to it, if those are enough, otherwise all: those all of whose
+    /// neighbours do, or if these are less than half, those that are clear of the surfaces beyond sharp borders. The
+    /// middle of a thin blend alone looks flat, and the rows beside sharp borders bend a chamfer.
     pub(super) fn core(&self, scan: &Scan, a: usize) -> Vec<u32> {
         let part = &self.parts[a];
-        let is_inside =
-            |v: &u32| scan.near(*v).iter().all(|&w| self.labels[w as usize] as usize == a);
-        let core: Vec<u32> = part.vertices.iter().copied().filter(is_inside).collect();
-        let least = (3 * part.model.kind().parameters() + 10).max(part.vertices.len() / 2);
-        if core.len() < least { part.vertices.clone() } else { core }
+        let least = 3 * part.model.kind().parameters() + 10;
+        let is_own = |w: &u32| self.labels[*w as usize] as usize == a;
+        let inside = part.vertices.iter().copied().filter(|&v| scan.near(v).iter().all(is_own));
+        let inside: Vec<u32> = inside.collect();
+        if inside.len() >= least.max(part.vertices.len() / 2) {
+            return inside;
+        }
+        let is_clear = |&v: &u32| {
+            let own = part.model.side * part.model.surface.distance(scan.point(v)).1;
+            scan.near(v).iter().filter(|w| !is_own(w)).all(|&w| {
+                let label = self.labels[w as usize];
+                label == NONE || {
+                    let other = &self.parts[label as usize].model;
+                    let (d, g) = other.surface.distance(scan.point(v));
+                    let is_smooth = other.side * g.dot(&own) > SHARP.cos();
+                    is_smooth || d.abs() > MOST_OFF * scan.noise.at(v)
+                }
+            })
+        };
+        let clear: Vec<u32> = part.vertices.iter().copied().filter(is_clear).collect();
+        if clear.len() >= least { clear } else { part.vertices.clone() }
     }
 
     /// Fits all regions to their cores, and chooses their kinds again.

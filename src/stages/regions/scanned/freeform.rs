@@ -10,7 +10,8 @@ use super::growth::Room;
 use super::model::MOST_OFF;
 use super::scan::Scan;
 use super::seeds::depths;
-use crate::geometry::{NONE, SAME_SIDE};
+use crate::geometry::{NONE, SAME_SIDE, Vector};
+use crate::primitives::PrimitiveKind;
 
 /// The share of abrupt places that makes a region a face, and the share of places that are abrupt or faces.
 const ABRUPT: f64 = 0.8;
@@ -31,6 +32,9 @@ const BLEND_RINGS: u32 = 3;
 /// Neighbours whose normals differ by more than this, in radians, are on two sides of an edge.
 const BLEND_TURN: f64 = 0.44;
 
+/// Two surfaces that continue each other and are bent by less than this, in radians, are one free-form surface.
+const SLIGHT_BEND: f64 = 0.35;
+
 /// What lies beyond a region's border.
 struct Outside {
     depth: u32,
@@ -43,21 +47,28 @@ pub(super) fn give_up(scan: &Scan, room: &mut Room, division: &mut Division) {
     let alive: Vec<usize> = division.alive().collect();
     let outside: Vec<Outside> = alive.iter().map(|&a| outside(scan, room, division, a)).collect();
     let mut is_face = vec![false; division.parts.len()];
-    let share = |beyond: &Outside, is_face: &[bool]| {
+    let mut is_slight = vec![false; division.parts.len()];
+    for &a in &alive {
+        let part = &division.parts[a];
+        let is_plane = part.model.kind() == PrimitiveKind::Plane;
+        is_slight[a] = !is_plane && spread(scan, &part.vertices) < SLIGHT_BEND;
+    }
+    let share = |a: usize, beyond: &Outside, is_face: &[bool]| {
         let ends = |&&(is_abrupt, label): &&(bool, u32)| {
-            is_abrupt || label != NONE && is_face[label as usize]
+            let is_face = || label != NONE && is_face[label as usize];
+            is_abrupt || is_face() && !(is_slight[a] && is_slight[label as usize])
         };
         let count = beyond.places.iter().filter(ends).count();
         if beyond.places.is_empty() { 1.0 } else { count as f64 / beyond.places.len() as f64 }
     };
     for (&a, beyond) in alive.iter().zip(&outside) {
         let only_abrupt = vec![false; division.parts.len()];
-        is_face[a] = beyond.depth >= LEAST_DEPTH && share(beyond, &only_abrupt) >= ABRUPT;
+        is_face[a] = beyond.depth >= LEAST_DEPTH && share(a, beyond, &only_abrupt) >= ABRUPT;
     }
     loop {
         let before = is_face.clone();
         for (&a, beyond) in alive.iter().zip(&outside) {
-            is_face[a] |= share(beyond, &is_face) >= BORDERED;
+            is_face[a] |= share(a, beyond, &is_face) >= BORDERED;
         }
         if is_face == before {
             break;
@@ -107,6 +118,12 @@ fn deep_clusters(scan: &Scan, is_left: impl Fn(u32) -> bool) -> Vec<bool> {
         }
     }
     is_deep
+}
+
+/// The angle over which the normals of vertices spread, if they do so along an arc.
+fn spread(scan: &Scan, vertices: &[u32]) -> f64 {
+    let sum: Vector = vertices.iter().map(|&v| scan.normal(v)).sum();
+    (24.0 * (1.0 - sum.norm() / vertices.len() as f64)).max(0.0).sqrt()
 }
 
 fn outside(scan: &Scan, room: &mut Room, division: &Division, a: usize) -> Outside {
