@@ -26,7 +26,7 @@ const RINGS_OUTSIDE: [u32; 2] = [2, 12];
 /// A free-form surface is somewhere deeper than this, in rings; a chain of blends is not.
 const BLEND_DEPTH: u32 = 9;
 
-/// A blend is at most so many rings deep: deeper regions tell by themselves how they end.
+/// A blend is at most so many rings deep: deeper bent regions tell by themselves how they end.
 const BLEND_RINGS: u32 = 3;
 
 /// Neighbours whose normals differ by more than this, in radians, are on two sides of an edge.
@@ -82,7 +82,8 @@ pub(super) fn give_up(scan: &Scan, room: &mut Room, division: &mut Division) {
     for (&a, beyond) in alive.iter().zip(&outside).filter(|(a, _)| !is_face[**a]) {
         let part = &division.parts[a];
         let deep = part.vertices.iter().filter(|&&v| is_deep[v as usize]).count();
-        if beyond.depth > BLEND_RINGS || 2 * deep > part.vertices.len() {
+        let is_bent = part.model.kind() != PrimitiveKind::Plane;
+        if is_bent && beyond.depth > BLEND_RINGS || 2 * deep > part.vertices.len() {
             part.vertices.iter().for_each(|&v| division.labels[v as usize] = NONE);
         }
     }
