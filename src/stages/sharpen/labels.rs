@@ -53,7 +53,7 @@ impl Work<'_> {
     }
 
     /// How badly a triangle fits a surface, as a negative logarithm of a likelihood.
-    fn misfit(&self, t: usize, region: u32) -> f64 {
+    pub(super) fn misfit(&self, t: usize, region: u32) -> f64 {
         let of = &self.surfaces[region as usize];
         let corners = self.mesh.corners(self.mesh.triangles[t]);
         let mut cost = 0.0;

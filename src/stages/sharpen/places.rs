@@ -24,8 +24,12 @@ const STEP: f64 = 1e-5;
 /// Directions in which surfaces hold a point less than this do not move it.
 const HELD: f64 = 1e-4;
 
-/// How often triangles may lose their region.
-const ROUNDS: usize = 6;
+/// Vertices so many rings from a border are spread evenly, in so many steps.
+const RELAXED: u32 = 6;
+const RELAXATIONS: usize = 20;
+
+/// How often triangles may change or lose their region.
+const ROUNDS: usize = 8;
 
 impl Work<'_> {
     /// Moves all vertices. Triangles at places where that fails lose their region. Returns the mesh with the numbers that its triangles
@@ -36,13 +40,17 @@ impl Work<'_> {
         lost: &mut Vec<Lost>,
     ) -> (Mesh, Vec<u32>) {
         let mut points = self.mesh.points.clone();
-        for _ in 0..ROUNDS {
+        for round in 0..=ROUNDS {
             points = self.mesh.points.clone();
             let failed = self.move_all(touching, &mut points);
             if failed.is_empty() {
                 break;
             }
             for (v, why) in failed {
+                if std::env::var("DBG").is_ok() { let regs = self.around(v); eprintln!("  r{round} v{v} {:?} {why} at {:.2?}", regs.iter().map(|&r| format!("{r}{}", &self.surface(r).kind().name()[..2])).collect::<Vec<_>>(), self.mesh.points[v as usize]); } // DBG
+                if round < ROUNDS && self.relabel(v, touching) {
+                    continue;
+                }
                 let mut count = 0;
                 for &t in self.rings.triangles(VertexId(v)) {
                     count += usize::from(self.of[t as usize] != NONE);
@@ -53,6 +61,7 @@ impl Work<'_> {
                 }
             }
         }
+        self.relax(&mut points);
         let mesh = Mesh { points, triangles: self.mesh.triangles.clone() };
         joined(mesh, ON * self.edge)
     }
@@ -84,6 +93,89 @@ impl Work<'_> {
             }
         }
         failed
+    }
+
+    /// Gives the triangles of one region around a vertex to another one close by, so that the vertex has a place. Of all ways
+    /// the likeliest is taken.
+    fn relabel(&mut self, v: u32, touching: &BTreeSet<[u32; 2]>) -> bool {
+        let ring: Vec<u32> = self.rings.triangles(VertexId(v)).to_vec();
+        let own = self.around(v);
+        let mut near: Vec<u32> = ring
+            .iter()
+            .flat_map(|&t| self.mesh.triangles[t as usize])
+            .flat_map(|w| self.around(w.0))
+            .collect();
+        near.sort_unstable();
+        near.dedup();
+        let start = self.mesh.points[v as usize];
+        let mut best: Option<(f64, u32, u32)> = None;
+        for &from in &own {
+            for &to in near.iter().filter(|&&to| to != from) {
+                let mut after: Vec<u32> = own.iter().copied().filter(|&r| r != from).collect();
+                after.push(to);
+                after.sort_unstable();
+                after.dedup();
+                if self.placed(&after, touching, start).is_err() {
+                    continue;
+                }
+                let lost = ring.iter().filter(|&&t| self.of[t as usize] == from);
+                let cost: f64 = lost
+                    .map(|&t| self.misfit(t as usize, to) - self.misfit(t as usize, from))
+                    .sum();
+                if best.is_none_or(|best| cost < best.0) {
+                    best = Some((cost, from, to));
+                }
+            }
+        }
+        let Some((_, from, to)) = best else { return false };
+        for &t in &ring {
+            let own = &mut self.of[t as usize];
+            if *own == from {
+                *own = to;
+            }
+        }
+        true
+    }
+
+    /// Spreads the vertices inside of the regions evenly next to their borders, so that no triangle is turned over.
+    fn relax(&self, points: &mut [Point]) {
+        let mut depth: Vec<u32> = vec![u32::MAX; points.len()];
+        let mut region: Vec<u32> = vec![NONE; points.len()];
+        let mut queue: Vec<VertexId> = Vec::new();
+        for v in 0..points.len() {
+            match self.around(v as u32)[..] {
+                [r] if self.rings.triangles(VertexId(v as u32)).iter().all(|&t| self.of[t as usize] == r) => {
+                    region[v] = r;
+                }
+                _ => {
+                    depth[v] = 0;
+                    queue.push(VertexId(v as u32));
+                }
+            }
+        }
+        let mut at = 0;
+        while let Some(&v) = queue.get(at) {
+            at += 1;
+            if depth[v.index()] == RELAXED {
+                continue;
+            }
+            for w in self.rings.neighbours(self.mesh, v) {
+                if depth[w.index()] == u32::MAX {
+                    depth[w.index()] = depth[v.index()] + 1;
+                    queue.push(w);
+                }
+            }
+        }
+        for _ in 0..RELAXATIONS {
+            for &v in queue.iter().filter(|v| region[v.index()] != NONE) {
+                let beside = self.rings.neighbours(self.mesh, v);
+                let (sum, count) = beside.fold((Vector::zeros(), 0.0), |(sum, count), w| {
+                    (sum + points[w.index()].coords, count + 1.0)
+                });
+                points[v.index()] =
+                    self.surface(region[v.index()]).closest(Point::from(sum / count));
+            }
+        }
     }
 
     fn is_touching(&self, a: u32, b: u32, touching: &BTreeSet<[u32; 2]>) -> bool {
