@@ -1,0 +1,119 @@
+//! The faces of a part, found again in a noisy scan of it.
+//!
+//! No vertex lies on an edge, and every vertex is off its true surface by the noise. So all decisions are those of
+//! statistics with a known standard deviation: a surface is accepted if the noise explains its residuals, kinds are
+//! chosen by the Bayesian information criterion, and borders lie where they are likeliest.
+//!
+//! - [`scan`] filters the normals and finds creases; [`starts`] and [`model`] fit and judge surfaces.
+//! - [`seeds`] and [`growth`] find regions, [`division`] merges them, absorbs them, and moves their borders.
+//! - [`freeform`] gives up regions that are pieces of a free-form surface.
+//! - [`result`] makes regions of triangles.
+//!
+//! The method is region growing with orthogonal fits (Várady, Martin, Cox, "Reverse engineering of geometric models",
+//! 1997; Benkő, Várady, "Segmentation methods for smooth point regions of conventional engineering objects", 2004).
+
+mod division;
+mod freeform;
+mod growth;
+mod model;
+mod result;
+mod scan;
+mod seeds;
+mod starts;
+#[cfg(test)]
+mod tests;
+
+use super::Regions;
+use crate::geometry::VertexId;
+use crate::mesh::{EdgeMap, Mesh, VertexRings};
+use crate::noise::NoiseField;
+use division::Division;
+use growth::Room;
+use scan::Scan;
+
+/// The noise of a scan as the search for regions needs it.
+#[derive(Debug, Clone)]
+pub struct ScanNoise {
+    /// The standard deviation along the normal over the whole scan, in the unit of the mesh.
+    pub deviation: f64,
+    /// The correlations of vertices that are one edge and two edges apart.
+    pub correlation: [f64; 2],
+    at: Vec<f64>,
+}
+
+/// Correlations below this are those of chance.
+const LEAST_CORRELATION: f64 = 0.08;
+
+impl ScanNoise {
+    /// Measures the noise of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        Self::from_field(&NoiseField::new(mesh, &VertexRings::new(mesh)), mesh)
+    }
+
+    /// The noise that was measured.
+    pub(crate) fn from_field(field: &NoiseField, mesh: &Mesh) -> Self {
+        let [one, two] = field.correlation;
+        let is_independent = one < LEAST_CORRELATION;
+        let correlation =
+            if is_independent { [0.0; 2] } else { [one, two].map(|c| c.clamp(0.0, 1.0)) };
+        let at = (0..mesh.points.len()).map(|v| field.at(VertexId::from(v))).collect();
+        ScanNoise { deviation: field.deviation, correlation, at }
+    }
+
+    /// The standard deviation at a vertex.
+    fn at(&self, v: u32) -> f64 {
+        self.at[v as usize]
+    }
+}
+
+/// Finds the regions of a noisy scan. Triangles of free-form surfaces have none.
+///
+/// The covariances of the regions are those of their surfaces' motions in the unit of the mesh.
+pub fn find_scanned(mesh: &Mesh, noise: &ScanNoise) -> Regions {
+    let rings = VertexRings::new(mesh);
+    let scan = Scan::new(mesh, &rings, noise);
+    let mut room = Room::new(scan.len());
+    let mut division = Division::new(scan.len());
+    let clock = std::time::Instant::now();
+    let debug = std::env::var_os("SCANNED_TIMES").is_some();
+    let tick = |name: &str, division: &Division| {
+        if debug {
+            eprintln!(
+                "{name} {:.2} s, {} regions",
+                clock.elapsed().as_secs_f64(),
+                division.alive().count()
+            );
+        }
+    };
+    seeds::off_creases(&scan, &mut room, &mut division);
+    tick("off creases", &division);
+    division.merge(&scan, &mut room);
+    tick("merge", &division);
+    division.absorb(&scan, &mut room);
+    division.move_borders(&scan);
+    division.fit_cores(&scan, &mut room, true);
+    tick("borders", &division);
+    seeds::anywhere(&scan, &mut room, &mut division);
+    tick("anywhere", &division);
+    for _ in 0..ROUNDS {
+        division.merge(&scan, &mut room);
+        tick("merge", &division);
+        division.absorb(&scan, &mut room);
+        tick("absorb", &division);
+        division.move_borders(&scan);
+        division.fit_cores(&scan, &mut room, true);
+        tick("borders", &division);
+    }
+    division.merge(&scan, &mut room);
+    division.absorb(&scan, &mut room);
+    tick("absorb", &division);
+    freeform::give_up(&scan, &mut room, &mut division);
+    tick("free-form", &division);
+    freeform::fill_thin(&scan, &mut division);
+    division.fit_cores(&scan, &mut room, false);
+    tick("fill", &division);
+    result::gathered(&scan, &EdgeMap::new(mesh), &division)
+}
+
+/// The rounds of merging and moving borders. The second changes little.
+const ROUNDS: usize = 2;
