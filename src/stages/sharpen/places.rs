@@ -47,7 +47,16 @@ impl Work<'_> {
                 break;
             }
             for (v, why) in failed {
-                if std::env::var("DBG").is_ok() { let regs = self.around(v); eprintln!("  r{round} v{v} {:?} {why} at {:.2?}", regs.iter().map(|&r| format!("{r}{}", &self.surface(r).kind().name()[..2])).collect::<Vec<_>>(), self.mesh.points[v as usize]); } // DBG
+                if std::env::var("DBG").is_ok() {
+                    let regs = self.around(v);
+                    eprintln!(
+                        "  r{round} v{v} {:?} {why} at {:.2?}",
+                        regs.iter()
+                            .map(|&r| format!("{r}{}", &self.surface(r).kind().name()[..2]))
+                            .collect::<Vec<_>>(),
+                        self.mesh.points[v as usize]
+                    );
+                } // DBG
                 if round < ROUNDS && self.relabel(v, touching) {
                     continue;
                 }
@@ -144,7 +153,12 @@ impl Work<'_> {
         let mut queue: Vec<VertexId> = Vec::new();
         for v in 0..points.len() {
             match self.around(v as u32)[..] {
-                [r] if self.rings.triangles(VertexId(v as u32)).iter().all(|&t| self.of[t as usize] == r) => {
+                [r] if self
+                    .rings
+                    .triangles(VertexId(v as u32))
+                    .iter()
+                    .all(|&t| self.of[t as usize] == r) =>
+                {
                     region[v] = r;
                 }
                 _ => {
