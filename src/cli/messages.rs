@@ -179,9 +179,11 @@ pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
 
 /// Says why faces are exact, and what was moved or has become facets.
 fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
-    progress.say(&format!(
-        "{of}surfaces: exact, as the vertices lie on them within the rounding of the file (--surfaces spline to change)"
-    ));
+    let why = match exact.noise {
+        Some(noise) => format!("noise of {} explains how far the vertices are off them", mm(noise)),
+        None => "the vertices lie on them within the rounding of the file".into(),
+    };
+    progress.say(&format!("{of}surfaces: exact, as {why} (--surfaces spline to change)"));
     gaps::say(progress, of, exact);
     cylinders::say(progress, of, exact);
     for fallback in &exact.fallbacks {

@@ -6,7 +6,7 @@ use super::conversion::{Body, Part, placed};
 use super::exact::{self, Exact};
 use super::lengths::Shown;
 use super::shape::{TargetShape, shape};
-use super::{Conversion, Observer, Options, Stage, body, exact_choice, face, hints};
+use super::{Conversion, Observer, Options, Stage, body, exact_choice, face, hints, scanned};
 use crate::error::{Error, Result};
 use crate::mesh::{Choice, Components, Nested};
 use crate::stages::parameterize::CompressedRegion;
@@ -23,7 +23,11 @@ pub(super) fn converted(
     let mut fallback = None;
     if exact::are_wanted(scan, options) {
         let chosen = with_voids(scan, exact_choice::chosen(scan, options)?)?;
-        match exact::exact(scan, &chosen, options, watch)? {
+        let found = match exact::exact(scan, &chosen, options, watch)? {
+            Exact::Unsuited => scanned::scanned(scan, &chosen, options, watch)?,
+            found => found,
+        };
+        match found {
             Exact::Bodies(bodies) => {
                 let bodies = bodies.into_iter().map(|body| placed_body(body, scan, options));
                 return one(bodies.collect(), options, None);

@@ -119,8 +119,10 @@ pub struct ExactFit {
     pub snaps: Vec<Snap>,
     /// The share of the area that is not facets.
     pub explained: f64,
-    /// The bound of the errors of the vertices in mm: the rounding of the file.
+    /// The bound of the errors of the vertices in mm: the rounding of the file. 0 if the scan is noisy.
     pub rounding: f64,
+    /// The standard deviation of the noise in mm, if the scan is noisy.
+    pub noise: Option<f64>,
 }
 
 /// An exact face. Lengths are in mm.

@@ -310,6 +310,7 @@ fn body(
             snaps: regions.snaps,
             explained: distances.explained,
             rounding,
+            noise: None,
         })),
     }))
 }

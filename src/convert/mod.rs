@@ -26,6 +26,7 @@ mod options;
 mod places;
 mod refined;
 mod scan;
+mod scanned;
 mod shape;
 mod stage;
 

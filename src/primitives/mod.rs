@@ -3,11 +3,13 @@
 //! A [`Primitive`] is one of the five. [`fit`] moves a start onto points by least squares of orthogonal
 //! distances, [`starts`] proposes such starts from a few points with normals.
 
+pub(crate) mod contact;
 mod fit;
 mod motions;
 mod parameters;
 mod primitive;
 mod starts;
+pub(crate) mod tangency;
 #[cfg(test)]
 mod tests;
 

@@ -12,6 +12,7 @@ pub mod cloud;
 
 pub mod regions;
 pub mod seams;
+pub mod sharpen;
 
 // A mesh without noise and gaps.
 

@@ -6,11 +6,11 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix};
 
-use super::contact::touch;
 use super::network::ChainNetwork;
 use super::{EXACT, Work};
 use crate::geometry::sets::Sets;
 use crate::geometry::{Point, Vector, VertexId};
+use crate::primitives::contact::touch;
 use crate::primitives::{MOST_PARAMETERS, MotionRow, Motions, Primitive};
 
 /// The steps of Newton's method, which converges quadratically from within the errors.

@@ -6,10 +6,10 @@ use formats::brep::{BrepCurve, Frame};
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::chart::{array, vector};
-use super::contact::{contact, crossing};
 use super::hermite::through;
 use super::network::Chain;
 use crate::geometry::{Point, Vector};
+use crate::primitives::contact::{contact, crossing};
 use crate::primitives::{Primitive, PrimitiveKind};
 
 /// A conic fits exact points to this share of its size: rounding of the steps of its fit.

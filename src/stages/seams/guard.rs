@@ -149,7 +149,8 @@ impl Work<'_> {
             };
             let least = corners.map(cosine).iter().copied().fold(1.0, f64::min);
             meshed += area;
-            low += area * least.max(0.0).powi(2);
+            // A triangle that is turned over covers what others cover, too.
+            low += area * least * least.abs();
             // A sliver has no normal, and no area.
             high += if least > 0.0 { area / (least * least) } else { area };
         }

@@ -15,7 +15,7 @@
 mod agreement;
 mod bores;
 mod chart;
-mod contact;
+
 mod crossings;
 mod curves;
 mod domain;

@@ -10,9 +10,10 @@ use super::domain::FacePlan;
 use super::faces::FaceBuilder;
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
-use super::{EXACT, FacePatch, Work, contact};
+use super::{EXACT, FacePatch, Work};
 use crate::geometry::{Point, Vector};
 use crate::primitives::PrimitiveKind;
+use crate::primitives::contact::touch;
 
 /// The uncertainty in mm: the precision of modelling kernels.
 const KERNEL: f64 = 1e-7;
@@ -111,7 +112,7 @@ impl Work<'_> {
             }
             // The plane of a facet cuts the surface next to it.
             if !a.is_facet && !b.is_facet {
-                chain.touches |= contact::touch(&a.surface, &b.surface, &chain.points, chain.error);
+                chain.touches |= touch(&a.surface, &b.surface, &chain.points, chain.error);
             }
             let pair = Pair { a: &a.surface, b: &b.surface, touches: chain.touches };
             if let Err(why) = pair.refine(chain) {

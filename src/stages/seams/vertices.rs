@@ -2,12 +2,12 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::contact::{contact, touch};
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
 use super::shell::none;
 use super::{EXACT, FacePatch, Work};
 use crate::geometry::{Point, Vector};
+use crate::primitives::contact::{contact, touch};
 use crate::primitives::{Primitive, PrimitiveKind};
 
 const STEPS: usize = 15;

@@ -39,6 +39,8 @@ pub struct ScanNoise {
     pub deviation: f64,
     /// The correlations of vertices that are one edge and two edges apart.
     pub correlation: [f64; 2],
+    /// Whether there is noise beyond the rounding of the file.
+    pub is_visible: bool,
     at: Vec<f64>,
 }
 
@@ -58,7 +60,14 @@ impl ScanNoise {
         let correlation =
             if is_independent { [0.0; 2] } else { [one, two].map(|c| c.clamp(0.0, 1.0)) };
         let at = (0..mesh.points.len()).map(|v| field.at(VertexId::from(v))).collect();
-        ScanNoise { deviation: field.deviation, correlation, at }
+        let is_visible = field.is_visible;
+        ScanNoise { deviation: field.deviation, correlation, is_visible, at }
+    }
+
+    /// The variance of a mean of many neighbouring vertices, as a multiple of that of independent ones.
+    pub fn common(&self) -> f64 {
+        let [one, two] = self.correlation;
+        1.0 + 6.0 * one + 12.0 * two
     }
 
     /// The standard deviation at a vertex.

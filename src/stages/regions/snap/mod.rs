@@ -3,7 +3,6 @@
 //! Nothing that the file says is changed: a surface before and after a snap explain the same numbers. The order is
 //! directions, axes and values of single surfaces, then all tangencies at once.
 
-mod contact;
 mod directions;
 mod lines;
 mod round_values;

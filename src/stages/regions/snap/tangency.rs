@@ -2,11 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::contact::{UNKNOWNS, ball_is_second, changed, is_movable, misses};
 use super::{Snap, SnapKind, Snapping};
 use crate::geometry::sets::Sets;
 use crate::geometry::{NONE, Point};
 use crate::primitives::Primitive;
+use crate::primitives::tangency::{UNKNOWNS, ball_is_second, changed, is_movable, misses};
 use crate::stages::regions::tessellation::MOST_ERRORS;
 use crate::stages::regions::{Regions, Tessellation};
 

@@ -1,7 +1,7 @@
 //! Conditions under which two surfaces touch along a curve.
 
+use super::{Primitive, PrimitiveKind};
 use crate::geometry::{Point, Vector};
-use crate::primitives::{Primitive, PrimitiveKind};
 
 /// Radii that differ by a smaller share are those of one pipe.
 const ONE_PIPE: f64 = 1e-3;
@@ -25,7 +25,7 @@ fn ball_centre(surface: &Primitive, p: Point) -> Option<Point> {
 
 /// Which of two surfaces is the ball that touches the other one: the one with the smaller radius. `None` if neither is
 /// one.
-pub(super) fn ball_is_second(a: &Primitive, b: &Primitive) -> Option<bool> {
+pub(crate) fn ball_is_second(a: &Primitive, b: &Primitive) -> Option<bool> {
     match (a.radius(), b.radius()) {
         (None, None) => None,
         (Some(_), None) => Some(false),
@@ -36,7 +36,7 @@ pub(super) fn ball_is_second(a: &Primitive, b: &Primitive) -> Option<bool> {
 
 /// What two touching surfaces are off at a point of their border, as lengths. `ball` is the one of
 /// [`ball_is_second`].
-pub(super) fn misses(other: &Primitive, ball: &Primitive, p: Point, into: &mut Vec<f64>) {
+pub(crate) fn misses(other: &Primitive, ball: &Primitive, p: Point, into: &mut Vec<f64>) {
     let (Some(centre), Some(radius)) = (ball_centre(ball, p), ball.radius()) else { return };
     let d = other.distance(centre).0;
     if let Some(wide) = other.radius() {
@@ -60,10 +60,10 @@ pub(super) fn misses(other: &Primitive, ball: &Primitive, p: Point, into: &mut V
 }
 
 /// The unknowns of a surface: place, radius, major radius. Planes stay: they are known best.
-pub(super) const UNKNOWNS: usize = 5;
+pub(crate) const UNKNOWNS: usize = 5;
 
 /// A surface with its place and its radii changed.
-pub(super) fn changed(surface: &Primitive, by: &[f64]) -> Primitive {
+pub(crate) fn changed(surface: &Primitive, by: &[f64]) -> Primitive {
     let shift = Vector::new(by[0], by[1], by[2]);
     match *surface {
         Primitive::Plane { .. } => *surface,
@@ -86,6 +86,6 @@ pub(super) fn changed(surface: &Primitive, by: &[f64]) -> Primitive {
 }
 
 /// Whether a surface has unknowns.
-pub(super) fn is_movable(surface: &Primitive) -> bool {
+pub(crate) fn is_movable(surface: &Primitive) -> bool {
     surface.kind() != PrimitiveKind::Plane
 }

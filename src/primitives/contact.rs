@@ -1,7 +1,7 @@
 //! Points on two surfaces: where they cross by Newton's method, where they touch from the spine of the thinner one.
 
+use super::Primitive;
 use crate::geometry::{Point, Vector};
-use crate::primitives::Primitive;
 
 /// The farthest step count of Newton's method. It converges quadratically from the mesh's own points.
 const STEPS: usize = 20;
@@ -13,7 +13,7 @@ const NOTHING: f64 = 1e-13;
 const PARALLEL: f64 = 1e-12;
 
 /// The point of two surfaces that cross next to a point, by steps of least length.
-pub(super) fn crossing(a: &Primitive, b: &Primitive, start: Point) -> Point {
+pub(crate) fn crossing(a: &Primitive, b: &Primitive, start: Point) -> Point {
     let mut p = start;
     for _ in 0..STEPS {
         let ((da, ga), (db, gb)) = (a.distance(p), b.distance(p));
@@ -48,7 +48,7 @@ fn spine(a: &Primitive, p: Point) -> Option<(Point, Option<Vector>, f64)> {
 const EQUAL: f64 = 0.05;
 
 /// The point in which two surfaces that touch each other touch next to a point.
-pub(super) fn contact(a: &Primitive, b: &Primitive, p: Point) -> Point {
+pub(crate) fn contact(a: &Primitive, b: &Primitive, p: Point) -> Point {
     let (sa, sb) = (spine(a, p), spine(b, p));
     let thin_first = match (&sa, &sb) {
         (Some(x), Some(y)) => x.2 <= y.2,
@@ -103,7 +103,7 @@ fn across(a: &Primitive, b: &Primitive, p: Point, radius: f64) -> Option<Point> 
 const TURN: f64 = 16.0;
 
 /// Whether two surfaces touch along points instead of crossing. `error` bounds the errors of the points.
-pub(super) fn touch(a: &Primitive, b: &Primitive, points: &[Point], error: f64) -> bool {
+pub(crate) fn touch(a: &Primitive, b: &Primitive, points: &[Point], error: f64) -> bool {
     let flat = a.radius().is_none() && b.radius().is_none();
     !flat
         && points.iter().all(|&p| {

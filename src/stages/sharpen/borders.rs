@@ -1,0 +1,67 @@
+//! The borders between regions: chains of edges between the vertices where more than two meet.
+
+use std::collections::BTreeMap;
+
+use super::Work;
+use super::labels::ends;
+use crate::geometry::NONE;
+
+/// Edges between two regions. Of a closed chain the first vertex is the last one.
+#[derive(Debug, Clone)]
+pub(super) struct Border {
+    /// The regions, the smaller number first.
+    pub pair: [u32; 2],
+    pub vertices: Vec<u32>,
+    pub is_closed: bool,
+}
+
+/// All borders, and the vertices where they end.
+pub(super) struct Borders {
+    pub all: Vec<Border>,
+    pub is_junction: Vec<bool>,
+}
+
+impl Work<'_> {
+    pub(super) fn borders(&self) -> Borders {
+        let mut next: BTreeMap<u32, Vec<(u32, [u32; 2])>> = BTreeMap::new();
+        for side in 0..3 * self.of.len() {
+            let Some(twin) = self.edges.across(side).filter(|&twin| twin > side) else { continue };
+            let [a, b] = [self.of[side / 3], self.of[twin / 3]];
+            if a != b {
+                let [p, q] = ends(self.mesh, side);
+                let pair = [a.min(b), a.max(b)];
+                next.entry(p).or_default().push((q, pair));
+                next.entry(q).or_default().push((p, pair));
+            }
+        }
+        let mut is_junction = vec![false; self.mesh.points.len()];
+        for (&v, out) in &next {
+            is_junction[v as usize] = out.len() != 2 || out[0].1 != out[1].1;
+        }
+        let mut is_used: BTreeMap<[u32; 2], bool> = BTreeMap::new();
+        let mut all = Vec::new();
+        let junctions = next.keys().copied().filter(|&v| is_junction[v as usize]);
+        let starts: Vec<u32> = junctions.chain(next.keys().copied()).collect();
+        for start in starts {
+            for &(first, pair) in &next[&start] {
+                let key = |a: u32, b: u32| [a.min(b), a.max(b)];
+                if is_used.insert(key(start, first), true).is_some() {
+                    continue;
+                }
+                let mut vertices = vec![start, first];
+                let mut at = first;
+                while !is_junction[at as usize] && at != start {
+                    let before = vertices[vertices.len() - 2];
+                    let Some(&(to, _)) = next[&at].iter().find(|of| of.0 != before) else { break };
+                    is_used.insert(key(at, to), true);
+                    vertices.push(to);
+                    at = to;
+                }
+                let is_closed = at == start && !is_junction[start as usize];
+                all.push(Border { pair, vertices, is_closed });
+            }
+        }
+        all.retain(|border| border.pair[1] != NONE || border.pair[0] != NONE);
+        Borders { all, is_junction }
+    }
+}

@@ -1,0 +1,301 @@
+//! Conditions between surfaces: pairs that touch. All are met at once with the least motion, in which every surface counts by
+//! its covariance.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Work;
+use super::surfaces::FittedSurface;
+use crate::geometry::sets::Sets;
+use crate::geometry::{NONE, Point};
+use crate::primitives::contact::contact;
+use crate::primitives::tangency::{ball_is_second, misses};
+use crate::primitives::{MOST_PARAMETERS, MotionRow, Primitive};
+use crate::statistics::{MeanSquare, median};
+
+/// Surfaces may touch if their normals differ by less than this angle (rad) along their border: 20°.
+const MOST_TURN: f64 = 0.35;
+
+/// A condition is kept if chance explains what it costs at so many standard deviations of a normal error.
+const KEPT: f64 = 4.0;
+
+/// It is also kept if it moves the surfaces by less than this share of the noise: real scanners have as large errors that are no noise.
+const RELEVANT: f64 = 0.5;
+
+/// The steps of Newton's method.
+const STEPS: usize = 12;
+
+/// What is left of a condition when it is met, as a share of the edges.
+const MET: f64 = 1e-11;
+
+/// The damping of dependent conditions as a share of their variance.
+const DAMPING: f64 = 1e-11;
+
+/// The shares of a standard deviation that derivatives are taken over.
+const DIFFERENCE: f64 = 1e-2;
+
+/// The most conditions that are met together. Solving more takes seconds.
+const MOST: usize = 1500;
+
+/// Two surfaces that touch.
+#[derive(Debug, Clone)]
+struct Touching {
+    pair: [u32; 2],
+    /// The one that the ball, which is the other one, touches.
+    other: usize,
+    ball: usize,
+    points: Vec<Point>,
+}
+
+impl Touching {
+    fn residuals(&self, of: impl Fn(usize) -> Primitive) -> Vec<f64> {
+        let mut all = Vec::new();
+        let (other, ball) = (of(self.other), of(self.ball));
+        self.points.iter().for_each(|&p| misses(&other, &ball, p, &mut all));
+        all
+    }
+}
+
+/// The motions of all surfaces.
+type AllMotions = Vec<MotionRow>;
+
+impl Work<'_> {
+    /// Makes surfaces touch that do so within the noise. Returns these pairs.
+    pub(super) fn constrain(&mut self, fits: &[FittedSurface]) -> BTreeSet<[u32; 2]> {
+        let mut kept: Vec<Touching> = self.candidates();
+        kept.retain(|one| self.allows(std::slice::from_ref(one), fits));
+        let mut done = BTreeSet::new();
+        for mut group in groups(kept, fits.len()) {
+            while !group.is_empty() && group.len() <= MOST {
+                match self.solved(&group, fits) {
+                    Ok(motions) => {
+                        for (r, motion) in motions {
+                            if let Some(to) = fits[r].motions.moved(&motion) {
+                                self.surfaces[r].surface = to;
+                            }
+                        }
+                        done.extend(group.iter().map(|of| of.pair));
+                        break;
+                    }
+                    // The pairs of the surface that would move farthest are the least likely ones.
+                    Err(worst) => {
+                        let before = group.len();
+                        let cost = |of: &Touching| self.price(of, fits);
+                        let at = (0..group.len())
+                            .filter(|&k| {
+                                worst.is_none_or(|w| group[k].other == w || group[k].ball == w)
+                            })
+                            .max_by(|&i, &j| cost(&group[i]).total_cmp(&cost(&group[j])));
+                        if let Some(at) = at {
+                            group.remove(at);
+                        }
+                        if group.len() == before {
+                            break;
+                        }
+                    }
+                }
+            }
+        }
+        done
+    }
+
+    /// The pairs whose normals agree along their border.
+    fn candidates(&self) -> Vec<Touching> {
+        let mut along: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
+        for border in self.borders().all {
+            if border.pair[1] != NONE {
+                along.entry(border.pair).or_default().extend(border.vertices);
+            }
+        }
+        let mut found = Vec::new();
+        for (pair, vertices) in along {
+            let [a, b] = pair.map(|r| self.surfaces[r as usize]);
+            let Some(is_second) = ball_is_second(&a.surface, &b.surface) else { continue };
+            let [x, y] = pair.map(|r| r as usize);
+            let (other, ball) = if is_second { (x, y) } else { (y, x) };
+            let turn = |&v: &u32| {
+                let p = self.mesh.points[v as usize];
+                let (n, m) = (a.side * a.surface.normal(p), b.side * b.surface.normal(p));
+                n.cross(&m).norm().atan2(n.dot(&m))
+            };
+            let mut turns: Vec<f64> = vertices.iter().map(turn).collect();
+            if vertices.len() < 3 || median(&mut turns).is_none_or(|turn| turn > MOST_TURN) {
+                continue;
+            }
+            let picked = [0, vertices.len() / 3, 2 * vertices.len() / 3, vertices.len() - 1];
+            let point = |k: usize| {
+                let p = self.mesh.points[vertices[k] as usize];
+                contact(&a.surface, &b.surface, p)
+            };
+            let points = picked.map(point).to_vec();
+            found.push(Touching { pair, other, ball, points });
+        }
+        found
+    }
+
+    fn price(&self, of: &Touching, fits: &[FittedSurface]) -> f64 {
+        let found = self.step(std::slice::from_ref(of), fits, &BTreeMap::new());
+        found.map_or(f64::INFINITY, |found| found.1)
+    }
+
+    /// Whether the data allow some conditions.
+    fn allows(&self, conditions: &[Touching], fits: &[FittedSurface]) -> bool {
+        let Some((motions, cost, rank)) = self.step(conditions, fits, &BTreeMap::new()) else {
+            return false;
+        };
+        let limit = rank as f64 * MeanSquare(rank as f64).at(KEPT);
+        cost <= limit || motions.iter().all(|(&r, m)| self.is_small(&fits[r], m))
+    }
+
+    /// Whether a motion moves a surface by a small share of the noise at its vertices.
+    fn is_small(&self, fit: &FittedSurface, motion: &MotionRow) -> bool {
+        squared(fit, motion) <= RELEVANT * RELEVANT * fit.weight
+    }
+
+    /// Meets all conditions of a group. Otherwise the surface that would move farthest is returned.
+    fn solved(
+        &self,
+        group: &[Touching],
+        fits: &[FittedSurface],
+    ) -> Result<BTreeMap<usize, MotionRow>, Option<usize>> {
+        let mut motions = BTreeMap::new();
+        for _ in 0..STEPS {
+            motions = self.step(group, fits, &motions).ok_or(None)?.0;
+        }
+        let of = |r: usize| {
+            let motion = motions.get(&r).copied().unwrap_or_default();
+            fits[r].motions.moved(&motion).unwrap_or(self.surfaces[r].surface)
+        };
+        let off = group.iter().flat_map(|one| one.residuals(of)).map(f64::abs).fold(0.0, f64::max);
+        let ratio = |r: usize| squared(&fits[r], &motions[&r]) / fits[r].weight;
+        let worst = motions.keys().copied().max_by(|&i, &j| ratio(i).total_cmp(&ratio(j)));
+        let is_near = worst.is_none_or(|r| {
+            ratio(r) <= 1.0 || squared(&fits[r], &motions[&r]) <= KEPT * KEPT * 7.0
+        });
+        if off <= MET * self.edge * 1e3 && is_near { Ok(motions) } else { Err(worst) }
+    }
+
+    /// One step: the motions of least size that meet the conditions to first order, their squared size, and the number
+    /// of independent conditions.
+    fn step(
+        &self,
+        group: &[Touching],
+        fits: &[FittedSurface],
+        now: &BTreeMap<usize, MotionRow>,
+    ) -> Option<(BTreeMap<usize, MotionRow>, f64, usize)> {
+        let motion = |r: usize| now.get(&r).copied().unwrap_or_default();
+        let mut members: Vec<usize> = group.iter().flat_map(|of| [of.other, of.ball]).collect();
+        members.sort_unstable();
+        members.dedup();
+        let mut surfaces: BTreeMap<usize, Primitive> = BTreeMap::new();
+        for &r in &members {
+            surfaces.insert(r, fits[r].motions.moved(&motion(r))?);
+        }
+        let mut values: Vec<f64> = Vec::new();
+        // For each condition the rows of its two surfaces.
+        let mut rows: Vec<[(usize, MotionRow); 2]> = Vec::new();
+        for one in group {
+            let own = one.residuals(|r| surfaces[&r]);
+            let first = rows.len();
+            let zero = MotionRow::zeros();
+            rows.extend(own.iter().map(|_| [(one.other, zero), (one.ball, zero)]));
+            values.extend(&own);
+            for (side, r) in [one.other, one.ball].into_iter().enumerate() {
+                for k in 0..MOST_PARAMETERS {
+                    let h = DIFFERENCE * fits[r].covariance[(k, k)].max(0.0).sqrt();
+                    if h <= 0.0 {
+                        continue;
+                    }
+                    let at = |by: f64| {
+                        let mut moved = motion(r);
+                        moved[k] += by;
+                        let to = fits[r].motions.moved(&moved)?;
+                        let own = one.residuals(|s| if s == r { to } else { surfaces[&s] });
+                        Some(own)
+                    };
+                    let (up, down) = (at(h)?, at(-h)?);
+                    if up.len() != own.len() || down.len() != own.len() {
+                        return None;
+                    }
+                    for (n, (u, d)) in up.iter().zip(&down).enumerate() {
+                        rows[first + n][side].1[k] = (u - d) / (2.0 * h);
+                    }
+                }
+            }
+        }
+        let n = values.len();
+        // What the conditions ask of the motions from the fits on.
+        let mut right = DVector::zeros(n);
+        let mut by_surface: BTreeMap<usize, Vec<(usize, MotionRow)>> = BTreeMap::new();
+        for (i, pair) in rows.iter().enumerate() {
+            right[i] = -values[i];
+            for (r, row) in pair {
+                right[i] += row.dot(&motion(*r));
+                by_surface.entry(*r).or_default().push((i, *row));
+            }
+        }
+        let mut matrix = DMatrix::<f64>::zeros(n, n);
+        for (r, rows) in &by_surface {
+            let moved: Vec<MotionRow> =
+                rows.iter().map(|(_, row)| fits[*r].covariance * row).collect();
+            for (x, (i, _)) in rows.iter().enumerate() {
+                for (j, b) in rows {
+                    matrix[(*i, *j)] += moved[x].dot(b);
+                }
+            }
+        }
+        let scale: Vec<f64> = (0..n)
+            .map(|i| if matrix[(i, i)] > 0.0 { matrix[(i, i)].sqrt().recip() } else { 0.0 })
+            .collect();
+        let scaled = DMatrix::from_fn(n, n, |i, j| {
+            scale[i] * matrix[(i, j)] * scale[j] + if i == j { DAMPING } else { 0.0 }
+        });
+        let wanted = DVector::from_fn(n, |i, _| scale[i] * right[i]);
+        let factor = scaled.clone().cholesky()?;
+        let mut forces = factor.solve(&wanted);
+        // One refinement takes most of the damping back.
+        let left = &wanted - (&scaled * &forces - &forces * DAMPING);
+        forces += factor.solve(&left);
+        let rank = (0..n).filter(|&i| factor.l_dirty()[(i, i)].powi(2) > 1e-6).count().max(1);
+        let cost = wanted.dot(&forces);
+        let mut motions = BTreeMap::new();
+        for (r, rows) in by_surface {
+            let pull: MotionRow = rows.iter().map(|(i, row)| row * (scale[*i] * forces[*i])).sum();
+            motions.insert(r, fits[r].covariance * pull);
+        }
+        Some((motions, cost, rank))
+    }
+}
+
+/// The squared size of a motion in standard deviations.
+fn squared(fit: &FittedSurface, motion: &MotionRow) -> f64 {
+    let scale = |k: usize| {
+        let v = fit.covariance[(k, k)];
+        if v > 0.0 { v.sqrt().recip() } else { 0.0 }
+    };
+    let mut scaled = fit.covariance;
+    for i in 0..MOST_PARAMETERS {
+        for j in 0..MOST_PARAMETERS {
+            scaled[(i, j)] *= scale(i) * scale(j);
+        }
+        if scale(i) == 0.0 {
+            scaled[(i, i)] = 1.0;
+        } else {
+            scaled[(i, i)] += DAMPING;
+        }
+    }
+    let x = MotionRow::from_fn(|k, _| motion[k] * scale(k));
+    scaled.cholesky().map_or(0.0, |of| x.dot(&of.solve(&x)))
+}
+
+/// Conditions that share surfaces.
+fn groups(all: Vec<Touching>, surfaces: usize) -> Vec<Vec<Touching>> {
+    let mut sets = Sets::new(surfaces);
+    all.iter().for_each(|of| sets.join(of.other, of.ball));
+    let mut groups: BTreeMap<usize, Vec<Touching>> = BTreeMap::new();
+    for one in all {
+        groups.entry(sets.find(one.other)).or_default().push(one);
+    }
+    groups.into_values().collect()
+}

@@ -1,0 +1,240 @@
+//! Which surface each triangle lies on.
+
+use super::Work;
+use crate::geometry::sets::Sets;
+use crate::geometry::{NONE, Point};
+use crate::mesh::Mesh;
+use crate::primitives::Primitive;
+use crate::primitives::contact::{contact, crossing};
+
+/// Distances beyond so many standard deviations of the noise count linearly, as in Huber's estimator.
+const HUBER: f64 = 3.0;
+
+/// The standard deviation (rad) of the normals of triangles that noise tilts.
+const TILT: f64 = 0.15;
+
+/// The cost of a normal that has nothing to do with its surface.
+const MOST_TILT: f64 = 6.0;
+
+/// The cost of a border as long as an edge, and of each edge length that it lies off the curve of its surfaces.
+const BORDER: f64 = 0.8;
+const OFF_CURVE: f64 = 2.0;
+
+/// A border so many edge lengths off the curve of its surfaces costs no more if it is farther.
+const FARTHEST: f64 = 3.0;
+
+/// The sweeps over the borders. Nearly all settle in a few.
+const SWEEPS: usize = 12;
+
+/// Pieces of fewer triangles are no faces. The narrowest face that can be told is two edges wide and long.
+const FEWEST: usize = 10;
+
+/// What no region holds goes to the nearest one if it is nowhere deeper than so many rings.
+const DEEPEST: u32 = 2;
+
+/// Normals of two surfaces that differ by a smaller sine may touch.
+const NEARLY_PARALLEL: f64 = 0.35;
+
+impl Work<'_> {
+    /// Smooths the borders, and gives small pieces to their neighbours.
+    pub(super) fn tidy(&mut self) {
+        self.fill();
+        self.smooth();
+        for _ in 0..3 {
+            if !self.dissolve() {
+                break;
+            }
+            self.smooth();
+        }
+    }
+
+    fn beside(&self, t: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        (3 * t..3 * t + 3).filter_map(|side| Some((side, self.edges.across(side)? / 3)))
+    }
+
+    /// How badly a triangle fits a surface, as a negative logarithm of a likelihood.
+    pub(super) fn misfit(&self, t: usize, region: u32) -> f64 {
+        let of = &self.surfaces[region as usize];
+        let corners = self.mesh.corners(self.mesh.triangles[t]);
+        let mut cost = 0.0;
+        for p in corners {
+            let x = of.surface.distance(p).0.abs() / self.noise;
+            cost += if x < HUBER { 0.5 * x * x } else { HUBER * (x - 0.5 * HUBER) } / 3.0;
+        }
+        let middle = Point::from((corners[0].coords + corners[1].coords + corners[2].coords) / 3.0);
+        let normal = of.side * of.surface.normal(middle);
+        let own = self.mesh.area_vector(self.mesh.triangles[t]);
+        let angle = own.cross(&normal).norm().atan2(own.dot(&normal));
+        cost + (0.5 * (angle / TILT).powi(2)).min(MOST_TILT)
+    }
+
+    /// The cost of a side between two regions.
+    fn border(&self, side: usize, a: u32, b: u32) -> f64 {
+        if a == b {
+            return 0.0;
+        }
+        let (p, q) = self.mesh.side(side);
+        let (p, q) = (self.mesh.point(p), self.mesh.point(q));
+        let long = (q - p).norm() / self.edge;
+        if a == NONE || b == NONE {
+            return long * (BORDER + OFF_CURVE);
+        }
+        let middle = nalgebra::center(&p, &q);
+        let off = off_curve(self.surface(a), self.surface(b), middle, self.edge);
+        long * (BORDER + OFF_CURVE * (off / self.edge).min(FARTHEST))
+    }
+
+    fn cost(&self, t: usize, region: u32) -> f64 {
+        let own = if region == NONE { 0.0 } else { self.misfit(t, region) };
+        own + self.beside(t).map(|(side, o)| self.border(side, region, self.of[o])).sum::<f64>()
+    }
+
+    /// Gives triangles at borders to the most likely region beside them, until none changes.
+    fn smooth(&mut self) {
+        let mut open: Vec<bool> = vec![true; self.of.len()];
+        for _ in 0..SWEEPS {
+            let mut is_done = true;
+            for t in 0..self.of.len() {
+                let own = self.of[t];
+                if !std::mem::take(&mut open[t]) || own == NONE {
+                    continue;
+                }
+                let mut others: Vec<u32> = self.beside(t).map(|(_, o)| self.of[o]).collect();
+                others.retain(|&r| r != own && r != NONE);
+                others.sort_unstable();
+                others.dedup();
+                if others.is_empty() {
+                    continue;
+                }
+                let mut best = (self.cost(t, own), own);
+                for r in others {
+                    let cost = self.cost(t, r);
+                    if cost < best.0 {
+                        best = (cost, r);
+                    }
+                }
+                if best.1 != own {
+                    self.of[t] = best.1;
+                    is_done = false;
+                    let around: Vec<usize> = self.beside(t).map(|(_, o)| o).collect();
+                    around.into_iter().for_each(|o| open[o] = true);
+                }
+            }
+            if is_done {
+                break;
+            }
+        }
+    }
+
+    /// The connected pieces of all regions, and of what has none.
+    fn pieces(&self) -> Vec<Vec<u32>> {
+        let mut sets = Sets::new(self.of.len());
+        for t in 0..self.of.len() {
+            for (_, o) in self.beside(t).filter(|&(_, o)| self.of[o] == self.of[t]) {
+                sets.join(t, o);
+            }
+        }
+        sets.members()
+    }
+
+    /// Gives pieces that are too small for a face to the regions around them. Returns whether there were some.
+    fn dissolve(&mut self) -> bool {
+        let mut is_any = false;
+        let mut pieces = self.pieces();
+        pieces.retain(|piece| piece.len() < FEWEST);
+        pieces.sort_by_key(Vec::len);
+        for piece in pieces {
+            let own = self.of[piece[0] as usize];
+            let mut around: Vec<u32> = piece
+                .iter()
+                .flat_map(|&t| self.beside(t as usize))
+                .map(|(_, o)| self.of[o])
+                .collect();
+            around.retain(|&r| r != own && r != NONE);
+            around.sort_unstable();
+            around.dedup();
+            let cost = |&r: &u32| piece.iter().map(|&t| self.misfit(t as usize, r)).sum::<f64>();
+            let best = around.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+            if let Some(best) = best {
+                piece.iter().for_each(|&t| self.of[t as usize] = best);
+                is_any = true;
+            }
+        }
+        is_any
+    }
+
+    /// Gives what no region holds to the nearest one beside it, where it is thin.
+    fn fill(&mut self) {
+        let mut depth = vec![u32::MAX; self.of.len()];
+        let mut queue: Vec<usize> = Vec::new();
+        for t in 0..self.of.len() {
+            if self.of[t] != NONE {
+                depth[t] = 0;
+                queue.push(t);
+            }
+        }
+        let mut at = 0;
+        while let Some(&t) = queue.get(at) {
+            at += 1;
+            let corners = self.mesh.triangles[t];
+            let around = corners.iter().flat_map(|&v| self.rings.triangles(v));
+            for &o in around {
+                if depth[o as usize] == u32::MAX {
+                    depth[o as usize] = depth[t] + 1;
+                    queue.push(o as usize);
+                }
+            }
+        }
+        let pieces = self.pieces();
+        let is_thin = |piece: &&Vec<u32>| {
+            self.of[piece[0] as usize] == NONE
+                && piece.iter().all(|&t| depth[t as usize] <= DEEPEST)
+        };
+        let thin: Vec<Vec<u32>> = pieces.iter().filter(is_thin).cloned().collect();
+        for piece in thin {
+            let mut left = piece;
+            while !left.is_empty() {
+                let mut found: Vec<(u32, u32)> = Vec::new();
+                for &t in &left {
+                    let mut beside: Vec<u32> = self
+                        .beside(t as usize)
+                        .map(|(_, o)| self.of[o])
+                        .filter(|&r| r != NONE)
+                        .collect();
+                    beside.sort_unstable();
+                    beside.dedup();
+                    let cost = |&r: &u32| self.misfit(t as usize, r);
+                    let best = beside.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+                    found.extend(best.map(|r| (t, r)));
+                }
+                if found.is_empty() {
+                    break;
+                }
+                found.iter().for_each(|&(t, r)| self.of[t as usize] = r);
+                left.retain(|&t| self.of[t as usize] == NONE);
+            }
+        }
+    }
+}
+
+/// How far a point is from where two surfaces cross or touch, at most [`FARTHEST`] edges.
+pub(super) fn off_curve(a: &Primitive, b: &Primitive, p: Point, edge: f64) -> f64 {
+    let most = FARTHEST * edge;
+    let off = |q: Point| {
+        let left = a.distance(q).0.abs().max(b.distance(q).0.abs());
+        let off = (q - p).norm();
+        if left < 0.1 * edge && off.is_finite() { off + left } else { most }
+    };
+    let crossed = off(crossing(a, b, p));
+    if a.normal(p).cross(&b.normal(p)).norm() < NEARLY_PARALLEL {
+        crossed.min(off(contact(a, b, p))).min(most)
+    } else {
+        crossed.min(most)
+    }
+}
+
+/// The ends of a side, ascending.
+pub(super) fn ends(mesh: &Mesh, side: usize) -> [u32; 2] {
+    let (a, b) = mesh.side(side);
+    [a.0.min(b.0), a.0.max(b.0)]
+}

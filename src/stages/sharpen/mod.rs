@@ -1,0 +1,125 @@
+//! Vertices of a noisy mesh moved onto the surfaces of its regions, so that the mesh becomes a clean tessellation.
+//!
+//! The input is a closed mesh, surfaces, and for each triangle the surface that it lies on. The output is a mesh whose
+//! vertices lie on their surfaces to the last digits: those inside of a region on its surface, those between two regions on
+//! the curve in which the surfaces cross or touch, and those where more regions meet on all of them. The border of the
+//! triangles is only the start of these curves.
+//!
+//! - [`labels`] smooths the borders by likelihood, and gives small pieces to their neighbours.
+//! - [`constraints`] moves the surfaces, weighted by their covariances, so that those that touch do so exactly, and more than three
+//!   have a common point. A constraint is kept if the data allow it.
+//! - [`places`] moves the vertices. Where surfaces have no common point nearby, the triangles there lose their region.
+
+mod borders;
+mod constraints;
+mod labels;
+mod places;
+mod surfaces;
+
+use crate::geometry::{NONE, Point};
+use crate::mesh::{EdgeMap, Mesh, VertexRings};
+use crate::primitives::Primitive;
+
+/// The surface of a region.
+#[derive(Debug, Clone, Copy)]
+pub struct ScanSurface {
+    /// The surface, in the unit of the mesh.
+    pub surface: Primitive,
+    /// +1 if the outside of the mesh is where the distance to the surface is positive, -1 otherwise.
+    pub side: f64,
+}
+
+/// What is known of the scan.
+#[derive(Debug, Clone, Copy)]
+pub struct Options {
+    /// The standard deviation of the vertices along the normal.
+    pub noise: f64,
+    /// The variance of a mean of many neighbouring vertices, as a multiple of what it would be if their errors were independent.
+    pub correlation: f64,
+}
+
+/// A place where an edge could not be made.
+#[derive(Debug, Clone)]
+pub struct Lost {
+    /// The place, in the unit of the mesh.
+    pub place: Point,
+    /// The number of triangles that lost their region.
+    pub triangles: usize,
+    /// The reason.
+    pub why: &'static str,
+}
+
+/// A mesh with its vertices on their surfaces.
+#[derive(Debug, Clone)]
+pub struct Sharpened {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// For each of its triangles the triangle of the scan.
+    pub triangles: Vec<u32>,
+    /// For each of its triangles the number of the surface.
+    pub of_triangle: Vec<u32>,
+    /// The surfaces. Constraints are met.
+    pub surfaces: Vec<ScanSurface>,
+    /// The number of pairs of surfaces that touch.
+    pub touching: usize,
+    /// Where triangles lost their region.
+    pub lost: Vec<Lost>,
+}
+
+/// The mesh with what all steps need.
+struct Work<'a> {
+    mesh: &'a Mesh,
+    edges: EdgeMap,
+    rings: VertexRings,
+    /// The mean length of the edges.
+    edge: f64,
+    noise: f64,
+    correlation: f64,
+    surfaces: Vec<ScanSurface>,
+    /// For each triangle its surface.
+    of: Vec<u32>,
+}
+
+/// Moves the vertices of a closed mesh onto the surfaces of its triangles.
+pub fn sharpen(
+    mesh: &Mesh,
+    surfaces: &[ScanSurface],
+    of_triangle: &[u32],
+    options: &Options,
+) -> Sharpened {
+    let (edges, rings) = (EdgeMap::new(mesh), VertexRings::new(mesh));
+    let count = 3 * mesh.triangles.len();
+    let long = |side: usize| {
+        let (a, b) = mesh.side(side);
+        (mesh.point(a) - mesh.point(b)).norm()
+    };
+    let edge = (0..count).map(long).sum::<f64>() / count.max(1) as f64;
+    let Options { noise, correlation } = *options;
+    let (surfaces, of) = (surfaces.to_vec(), of_triangle.to_vec());
+    let mut work = Work { mesh, edges, rings, edge, noise, correlation, surfaces, of };
+    work.tidy();
+    let fits = work.fitted();
+    let touching = work.constrain(&fits);
+    let mut lost = Vec::new();
+    let placed = work.place(&touching, &mut lost);
+    let (mesh, triangles) = placed;
+    let of_triangle = triangles.iter().map(|&t| work.of[t as usize]).collect();
+    let touching = touching.len();
+    Sharpened { mesh, triangles, of_triangle, surfaces: work.surfaces, touching, lost }
+}
+
+impl Work<'_> {
+    /// The regions around a vertex, ascending, without those triangles that have none.
+    fn around(&self, v: u32) -> Vec<u32> {
+        let triangles = self.rings.triangles(crate::geometry::VertexId(v)).iter();
+        let mut all: Vec<u32> =
+            triangles.map(|&t| self.of[t as usize]).filter(|&r| r != NONE).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn surface(&self, region: u32) -> &Primitive {
+        &self.surfaces[region as usize].surface
+    }
+}

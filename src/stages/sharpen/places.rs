@@ -1,0 +1,380 @@
+//! The places of the vertices on their surfaces.
+
+use std::collections::BTreeSet;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::borders::Border;
+use super::{Lost, Work};
+use crate::geometry::{NONE, Point, Vector, VertexId};
+use crate::mesh::Mesh;
+use crate::primitives::Primitive;
+use crate::primitives::contact::{contact, crossing};
+
+/// A vertex moves at most so many edges. The borders of regions are known better.
+const FARTHEST: f64 = 5.0;
+
+/// What is on its surfaces is off them by less than this share of an edge.
+const ON: f64 = 1e-8;
+
+/// The steps of Newton's method, and the step of its derivatives as a share of an edge.
+const STEPS: usize = 25;
+const STEP: f64 = 1e-5;
+
+/// Directions in which surfaces hold a point less than this do not move it.
+const HELD: f64 = 1e-4;
+
+/// Vertices so many rings from a border are spread evenly, in so many steps.
+const RELAXED: u32 = 6;
+const RELAXATIONS: usize = 20;
+
+/// How often triangles may change or lose their region.
+const ROUNDS: usize = 8;
+
+impl Work<'_> {
+    /// Moves all vertices. Triangles at places where that fails lose their region. Returns the mesh with the numbers that its triangles
+    /// had.
+    pub(super) fn place(
+        &mut self,
+        touching: &BTreeSet<[u32; 2]>,
+        lost: &mut Vec<Lost>,
+    ) -> (Mesh, Vec<u32>) {
+        let mut points = self.mesh.points.clone();
+        for round in 0..=ROUNDS {
+            points = self.mesh.points.clone();
+            let failed = self.move_all(touching, &mut points);
+            if failed.is_empty() {
+                break;
+            }
+            for (v, why) in failed {
+                if std::env::var("DBG").is_ok() {
+                    let regs = self.around(v);
+                    eprintln!(
+                        "  r{round} v{v} {:?} {why} at {:.2?}",
+                        regs.iter()
+                            .map(|&r| format!("{r}{}", &self.surface(r).kind().name()[..2]))
+                            .collect::<Vec<_>>(),
+                        self.mesh.points[v as usize]
+                    );
+                } // DBG
+                if round < ROUNDS && self.relabel(v, touching) {
+                    continue;
+                }
+                let mut count = 0;
+                for &t in self.rings.triangles(VertexId(v)) {
+                    count += usize::from(self.of[t as usize] != NONE);
+                    self.of[t as usize] = NONE;
+                }
+                if count > 0 {
+                    lost.push(Lost { place: self.mesh.points[v as usize], triangles: count, why });
+                }
+            }
+        }
+        self.relax(&mut points);
+        let mesh = Mesh { points, triangles: self.mesh.triangles.clone() };
+        joined(mesh, ON * self.edge)
+    }
+
+    /// Moves the vertices. Returns those that have no place, with the reason.
+    fn move_all(
+        &self,
+        touching: &BTreeSet<[u32; 2]>,
+        points: &mut [Point],
+    ) -> Vec<(u32, &'static str)> {
+        let mut failed = Vec::new();
+        for v in 0..points.len() as u32 {
+            let regions = self.around(v);
+            let start = self.mesh.points[v as usize];
+            let at = match self.placed(&regions, touching, start) {
+                Ok(at) => at,
+                Err(why) => {
+                    failed.push((v, why));
+                    continue;
+                }
+            };
+            points[v as usize] = at;
+        }
+        if failed.is_empty() {
+            for border in self.borders().all {
+                if border.pair[1] != NONE {
+                    self.put_in_order(&border, touching, points);
+                }
+            }
+        }
+        failed
+    }
+
+    /// Gives the triangles of one region around a vertex to another one close by, so that the vertex has a place. Of all ways
+    /// the likeliest is taken.
+    fn relabel(&mut self, v: u32, touching: &BTreeSet<[u32; 2]>) -> bool {
+        let ring: Vec<u32> = self.rings.triangles(VertexId(v)).to_vec();
+        let own = self.around(v);
+        let mut near: Vec<u32> = ring
+            .iter()
+            .flat_map(|&t| self.mesh.triangles[t as usize])
+            .flat_map(|w| self.around(w.0))
+            .collect();
+        near.sort_unstable();
+        near.dedup();
+        let start = self.mesh.points[v as usize];
+        let mut best: Option<(f64, u32, u32)> = None;
+        for &from in &own {
+            for &to in near.iter().filter(|&&to| to != from) {
+                let mut after: Vec<u32> = own.iter().copied().filter(|&r| r != from).collect();
+                after.push(to);
+                after.sort_unstable();
+                after.dedup();
+                if self.placed(&after, touching, start).is_err() {
+                    continue;
+                }
+                let lost = ring.iter().filter(|&&t| self.of[t as usize] == from);
+                let cost: f64 = lost
+                    .map(|&t| self.misfit(t as usize, to) - self.misfit(t as usize, from))
+                    .sum();
+                if best.is_none_or(|best| cost < best.0) {
+                    best = Some((cost, from, to));
+                }
+            }
+        }
+        let Some((_, from, to)) = best else { return false };
+        for &t in &ring {
+            let own = &mut self.of[t as usize];
+            if *own == from {
+                *own = to;
+            }
+        }
+        true
+    }
+
+    /// Spreads the vertices inside of the regions evenly next to their borders, so that no triangle is turned over.
+    fn relax(&self, points: &mut [Point]) {
+        let mut depth: Vec<u32> = vec![u32::MAX; points.len()];
+        let mut region: Vec<u32> = vec![NONE; points.len()];
+        let mut queue: Vec<VertexId> = Vec::new();
+        for v in 0..points.len() {
+            match self.around(v as u32)[..] {
+                [r] if self
+                    .rings
+                    .triangles(VertexId(v as u32))
+                    .iter()
+                    .all(|&t| self.of[t as usize] == r) =>
+                {
+                    region[v] = r;
+                }
+                _ => {
+                    depth[v] = 0;
+                    queue.push(VertexId(v as u32));
+                }
+            }
+        }
+        let mut at = 0;
+        while let Some(&v) = queue.get(at) {
+            at += 1;
+            if depth[v.index()] == RELAXED {
+                continue;
+            }
+            for w in self.rings.neighbours(self.mesh, v) {
+                if depth[w.index()] == u32::MAX {
+                    depth[w.index()] = depth[v.index()] + 1;
+                    queue.push(w);
+                }
+            }
+        }
+        for _ in 0..RELAXATIONS {
+            for &v in queue.iter().filter(|v| region[v.index()] != NONE) {
+                let beside = self.rings.neighbours(self.mesh, v);
+                let (sum, count) = beside.fold((Vector::zeros(), 0.0), |(sum, count), w| {
+                    (sum + points[w.index()].coords, count + 1.0)
+                });
+                points[v.index()] =
+                    self.surface(region[v.index()]).closest(Point::from(sum / count));
+            }
+        }
+    }
+
+    fn is_touching(&self, a: u32, b: u32, touching: &BTreeSet<[u32; 2]>) -> bool {
+        touching.contains(&[a.min(b), a.max(b)])
+    }
+
+    /// The point of some surfaces next to a point.
+    fn placed(
+        &self,
+        regions: &[u32],
+        touching: &BTreeSet<[u32; 2]>,
+        start: Point,
+    ) -> Result<Point, &'static str> {
+        let at = match *regions {
+            [] => return Ok(start),
+            [a] => self.surface(a).closest(start),
+            [a, b] => {
+                let is_touching = self.is_touching(a, b, touching);
+                on_two(self.surface(a), self.surface(b), is_touching, start)
+            }
+            _ => {
+                let mut pairs = Vec::new();
+                for (n, &a) in regions.iter().enumerate() {
+                    for &b in &regions[n + 1..] {
+                        if self.is_touching(a, b, touching) {
+                            pairs.push((self.surface(a), self.surface(b)));
+                        }
+                    }
+                }
+                let all: Vec<&Primitive> = regions.iter().map(|&r| self.surface(r)).collect();
+                on_all(&all, &pairs, start, self.edge)
+            }
+        };
+        let off = regions.iter().map(|&r| self.surface(r).distance(at).0.abs()).fold(0.0, f64::max);
+        if !at.coords.iter().all(|x| x.is_finite()) || off > ON * self.edge {
+            return Err(match regions.len() {
+                2 => "its two surfaces do not meet there",
+                _ => "its surfaces have no common point there",
+            });
+        }
+        if (at - start).norm() > FARTHEST * self.edge {
+            return Err("its surfaces meet too far from the scan");
+        }
+        Ok(at)
+    }
+
+    /// Makes the vertices of a border follow each other along its curve.
+    fn put_in_order(&self, border: &Border, touching: &BTreeSet<[u32; 2]>, points: &mut [Point]) {
+        let vertices = &border.vertices;
+        if border.is_closed || vertices.len() < 3 {
+            return;
+        }
+        let [a, b] = border.pair;
+        let is_touching = self.is_touching(a, b, touching);
+        let (x, y) = (self.surface(a), self.surface(b));
+        let place = |p: Point| on_two(x, y, is_touching, p);
+        let n = vertices.len() - 1;
+        let own: Vec<Point> = vertices.iter().map(|&v| points[v as usize]).collect();
+        // The direction of the curve, that of the border as a whole.
+        let mut along: Vec<f64> = vec![0.0];
+        let mut tangent = own[n] - own[0];
+        for pair in own.windows(2) {
+            let step = pair[1] - pair[0];
+            let middle = nalgebra::center(&pair[0], &pair[1]);
+            let mut direction =
+                if is_touching { tangent } else { x.normal(middle).cross(&y.normal(middle)) };
+            if direction.dot(&tangent) < 0.0 {
+                direction = -direction;
+            }
+            let sign = if step.dot(&direction) < 0.0 { -1.0 } else { 1.0 };
+            along.push(along[along.len() - 1] + sign * step.norm());
+            if sign > 0.0 && step.norm() > 0.0 {
+                tangent = step;
+            }
+        }
+        let total = along[n];
+        let is_ordered = along.windows(2).all(|w| w[1] > w[0]);
+        if is_ordered || total <= 0.0 {
+            return;
+        }
+        // Those that do not pass a vertex before or behind them stay.
+        let mut kept: Vec<usize> = vec![0];
+        for k in 1..n {
+            let last = kept[kept.len() - 1];
+            if along[k] > along[last] && along[k] < total {
+                kept.push(k);
+            }
+        }
+        kept.push(n);
+        for pair in kept.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            for k in from + 1..to {
+                let share = (k - from) as f64 / (to - from) as f64;
+                points[vertices[k] as usize] = place(own[from] + share * (own[to] - own[from]));
+            }
+        }
+    }
+}
+
+/// The point next to a point on the curve in which two surfaces cross or touch.
+fn on_two(a: &Primitive, b: &Primitive, is_touching: bool, start: Point) -> Point {
+    if is_touching { contact(a, b, start) } else { crossing(a, b, start) }
+}
+
+/// The point of several surfaces next to a point, by steps of least length.
+fn on_all(
+    surfaces: &[&Primitive],
+    touching: &[(&Primitive, &Primitive)],
+    start: Point,
+    edge: f64,
+) -> Point {
+    let residual = |p: Point| {
+        let mut rows: Vec<f64> = surfaces.iter().map(|s| s.distance(p).0).collect();
+        for (a, b) in touching {
+            let off = p - contact(a, b, p);
+            rows.extend([off.x, off.y, off.z]);
+        }
+        DVector::from_vec(rows)
+    };
+    let h = STEP * edge;
+    let mut at = start;
+    for _ in 0..STEPS {
+        let rows = residual(at);
+        let columns = [Vector::x(), Vector::y(), Vector::z()]
+            .map(|e| (residual(at + h * e) - residual(at - h * e)) / (2.0 * h));
+        let svd = DMatrix::from_columns(&columns).svd(true, true);
+        let Ok(step) = svd.solve(&-rows, HELD * svd.singular_values.max()) else { break };
+        at += Vector::new(step[0], step[1], step[2]);
+        if step.norm() < f64::EPSILON * at.coords.norm() {
+            break;
+        }
+    }
+    at
+}
+
+/// The mesh with one vertex for those that moved to one place, and the numbers that its triangles had. An edge stays if the
+/// mesh would not be manifold without it.
+fn joined(mesh: Mesh, reach: f64) -> (Mesh, Vec<u32>) {
+    let Mesh { points, mut triangles } = mesh;
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); points.len()];
+    for (t, corners) in triangles.iter().enumerate() {
+        corners.iter().for_each(|v| around[v.index()].push(t as u32));
+    }
+    let mut is_gone = vec![false; triangles.len()];
+    let mut is_done = false;
+    while !is_done {
+        is_done = true;
+        for t in 0..triangles.len() {
+            for k in 0..3 {
+                let [a, b] = [triangles[t][k], triangles[t][(k + 1) % 3]];
+                let apart = (points[a.index()] - points[b.index()]).norm();
+                if is_gone[t] || apart > reach || !is_free(&triangles, &around, a, b) {
+                    continue;
+                }
+                is_done = false;
+                for o in std::mem::take(&mut around[b.index()]) {
+                    let corners = &mut triangles[o as usize];
+                    if corners.contains(&a) {
+                        is_gone[o as usize] = true;
+                        for v in corners.iter().filter(|&&v| v != b) {
+                            around[v.index()].retain(|&other| other != o);
+                        }
+                    } else {
+                        corners.iter_mut().filter(|v| **v == b).for_each(|v| *v = a);
+                        around[a.index()].push(o);
+                    }
+                }
+            }
+        }
+    }
+    let kept: Vec<u32> = (0..triangles.len() as u32).filter(|&t| !is_gone[t as usize]).collect();
+    let whole = Mesh { points, triangles };
+    (whole.part(kept.iter().map(|&t| t as usize)).0, kept)
+}
+
+/// Whether an edge can become a point: its ends have no neighbours in common but those of its own triangles, and enough is left.
+fn is_free(triangles: &[[VertexId; 3]], around: &[Vec<u32>], a: VertexId, b: VertexId) -> bool {
+    let beside = |v: VertexId| {
+        let corners = around[v.index()].iter().flat_map(|&t| triangles[t as usize]);
+        let mut all: Vec<VertexId> = corners.filter(|&w| w != v).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
+    let (of_a, of_b) = (beside(a), beside(b));
+    let common = of_a.iter().filter(|v| of_b.binary_search(v).is_ok());
+    common.clone().count() == 2 && common.copied().all(|v| around[v.index()].len() > 3)
+}
