@@ -94,26 +94,28 @@ pub fn find_scanned(mesh: &Mesh, noise: &ScanNoise) -> Regions {
     division.move_borders(&scan);
     division.fit_cores(&scan, &mut room, true);
     tick("borders", &division);
-    seeds::anywhere(&scan, &mut room, &mut division);
-    tick("anywhere", &division);
-    for round in 0..ROUNDS {
-        if round > 0 {
-            blends::find(&scan, &mut room, &mut division);
-            tick("blends", &division);
+    if !freeform::is_free_form(&scan, &mut room, &mut division) {
+        seeds::anywhere(&scan, &mut room, &mut division);
+        tick("anywhere", &division);
+        for round in 0..ROUNDS {
+            if round > 0 {
+                blends::find(&scan, &mut room, &mut division);
+                tick("blends", &division);
+            }
+            division.merge(&scan, &mut room);
+            tick("merge", &division);
+            division.absorb(&scan, &mut room);
+            tick("absorb", &division);
+            division.move_borders(&scan);
+            division.fit_cores(&scan, &mut room, true);
+            tick("borders", &division);
         }
         division.merge(&scan, &mut room);
-        tick("merge", &division);
         division.absorb(&scan, &mut room);
         tick("absorb", &division);
-        division.move_borders(&scan);
-        division.fit_cores(&scan, &mut room, true);
-        tick("borders", &division);
+        freeform::give_up(&scan, &mut room, &mut division);
+        tick("free-form", &division);
     }
-    division.merge(&scan, &mut room);
-    division.absorb(&scan, &mut room);
-    tick("absorb", &division);
-    freeform::give_up(&scan, &mut room, &mut division);
-    tick("free-form", &division);
     freeform::fill_thin(&scan, &mut division);
     division.fit_cores(&scan, &mut room, false);
     tick("fill", &division);
