@@ -285,7 +285,10 @@ impl Division {
             })
         };
         let clear: Vec<u32> = lying.iter().copied().filter(is_clear).collect();
-        [clear, lying].into_iter().find(|some| some.len() >= least).unwrap_or_else(|| part.vertices.clone())
+        [clear, lying]
+            .into_iter()
+            .find(|some| some.len() >= least)
+            .unwrap_or_else(|| part.vertices.clone())
     }
 
     /// Fits all regions to their cores, and chooses their kinds again.

@@ -14,8 +14,8 @@ use crate::geometry::{NONE, SAME_SIDE, Vector};
 use crate::primitives::PrimitiveKind;
 
 /// The share of abrupt places that makes a region a face, and the share of places that are abrupt or faces.
-const ABRUPT: f64 = 0.8;
-const BORDERED: f64 = 0.7;
+const ABRUPT: f64 = 0.9;
+const BORDERED: f64 = 0.8;
 
 /// A region must be so many rings deep to be a face by itself.
 const LEAST_DEPTH: u32 = 3;
@@ -96,7 +96,6 @@ pub(super) fn is_free_form(scan: &Scan, room: &mut Room, division: &mut Division
     let count = |&&a: &&usize| faces.is_face[a];
     let found = faces.alive.iter().filter(count).map(|&a| division.parts[a].vertices.len());
     let share = found.sum::<usize>() as f64 / scan.len() as f64;
-    if std::env::var_os("SCANNED_TIMES").is_some() { eprintln!("faces {share:.3}"); }
     if share >= FEW_FACES {
         return false;
     }
