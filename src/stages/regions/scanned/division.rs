@@ -264,9 +264,12 @@ impl Division {
         let part = &self.parts[a];
         let least = 3 * part.model.kind().parameters() + 10;
         let is_own = |w: &u32| self.labels[*w as usize] as usize == a;
-        let inside = part.vertices.iter().copied().filter(|&v| scan.near(v).iter().all(is_own));
+        // Vertices that were left over belong to the nearest region, but may not lie on its surface.
+        let lies = |&v: &u32| part.model.cost_at(scan, v) < MOST_OFF * MOST_OFF;
+        let lying: Vec<u32> = part.vertices.iter().copied().filter(lies).collect();
+        let inside = lying.iter().copied().filter(|&v| scan.near(v).iter().all(is_own));
         let inside: Vec<u32> = inside.collect();
-        if inside.len() >= least.max(part.vertices.len() / 2) {
+        if inside.len() >= least.max(lying.len() / 2) {
             return inside;
         }
         let is_clear = |&v: &u32| {
@@ -281,8 +284,11 @@ impl Division {
                 }
             })
         };
-        let clear: Vec<u32> = part.vertices.iter().copied().filter(is_clear).collect();
-        if clear.len() >= least { clear } else { part.vertices.clone() }
+        let clear: Vec<u32> = lying.iter().copied().filter(is_clear).collect();
+        [clear, lying]
+            .into_iter()
+            .find(|some| some.len() >= least)
+            .unwrap_or_else(|| part.vertices.clone())
     }
 
     /// Fits all regions to their cores, and chooses their kinds again.

@@ -14,8 +14,8 @@ use crate::geometry::{NONE, SAME_SIDE, Vector};
 use crate::primitives::PrimitiveKind;
 
 /// The share of abrupt places that makes a region a face, and the share of places that are abrupt or faces.
-const ABRUPT: f64 = 0.8;
-const BORDERED: f64 = 0.7;
+const ABRUPT: f64 = 0.9;
+const BORDERED: f64 = 0.8;
 
 /// A region must be so many rings deep to be a face by itself.
 const LEAST_DEPTH: u32 = 3;
@@ -32,6 +32,9 @@ const BLEND_RINGS: u32 = 3;
 /// Neighbours whose normals differ by more than this, in radians, are on two sides of an edge.
 const BLEND_TURN: f64 = 0.44;
 
+/// A scan of whose vertices fewer than this share lie on faces is a free-form one.
+const FEW_FACES: f64 = 0.1;
+
 /// Two surfaces that continue each other and are bent by less than this, in radians, are one free-form surface.
 const SLIGHT_BEND: f64 = 0.35;
 
@@ -42,38 +45,73 @@ struct Outside {
     places: Vec<(bool, u32)>,
 }
 
+/// Which regions are faces by themselves or with the faces beside them.
+struct Faces {
+    alive: Vec<usize>,
+    outside: Vec<Outside>,
+    is_face: Vec<bool>,
+}
+
+impl Faces {
+    fn of(scan: &Scan, room: &mut Room, division: &Division) -> Self {
+        let alive: Vec<usize> = division.alive().collect();
+        let outside: Vec<Outside> =
+            alive.iter().map(|&a| outside(scan, room, division, a)).collect();
+        let mut is_slight = vec![false; division.parts.len()];
+        for &a in &alive {
+            let part = &division.parts[a];
+            let is_plane = part.model.kind() == PrimitiveKind::Plane;
+            is_slight[a] = !is_plane && spread(scan, &part.vertices) < SLIGHT_BEND;
+        }
+        let share = |a: usize, beyond: &Outside, is_face: &[bool]| {
+            let ends = |&&(is_abrupt, label): &&(bool, u32)| {
+                let is_face = || label != NONE && is_face[label as usize];
+                is_abrupt || is_face() && !(is_slight[a] && is_slight[label as usize])
+            };
+            let count = beyond.places.iter().filter(ends).count();
+            if beyond.places.is_empty() { 1.0 } else { count as f64 / beyond.places.len() as f64 }
+        };
+        let none = vec![false; division.parts.len()];
+        let mut is_face = none.clone();
+        for (&a, beyond) in alive.iter().zip(&outside) {
+            is_face[a] = beyond.depth >= LEAST_DEPTH && share(a, beyond, &none) >= ABRUPT;
+        }
+        loop {
+            let before = is_face.clone();
+            for (&a, beyond) in alive.iter().zip(&outside) {
+                is_face[a] |= share(a, beyond, &is_face) >= BORDERED;
+            }
+            if is_face == before {
+                break;
+            }
+        }
+        Faces { alive, outside, is_face }
+    }
+}
+
+/// Whether nearly the whole scan is free-form. Then chance makes some of its pieces look like faces, and all regions
+/// but flat faces are given up.
+pub(super) fn is_free_form(scan: &Scan, room: &mut Room, division: &mut Division) -> bool {
+    let faces = Faces::of(scan, room, division);
+    let count = |&&a: &&usize| faces.is_face[a];
+    let found = faces.alive.iter().filter(count).map(|&a| division.parts[a].vertices.len());
+    let share = found.sum::<usize>() as f64 / scan.len() as f64;
+    if share >= FEW_FACES {
+        return false;
+    }
+    for &a in &faces.alive {
+        let part = &division.parts[a];
+        if !faces.is_face[a] || part.model.kind() != PrimitiveKind::Plane {
+            part.vertices.iter().for_each(|&v| division.labels[v as usize] = NONE);
+        }
+    }
+    division.list();
+    true
+}
+
 /// Gives up the regions that are not faces.
 pub(super) fn give_up(scan: &Scan, room: &mut Room, division: &mut Division) {
-    let alive: Vec<usize> = division.alive().collect();
-    let outside: Vec<Outside> = alive.iter().map(|&a| outside(scan, room, division, a)).collect();
-    let mut is_face = vec![false; division.parts.len()];
-    let mut is_slight = vec![false; division.parts.len()];
-    for &a in &alive {
-        let part = &division.parts[a];
-        let is_plane = part.model.kind() == PrimitiveKind::Plane;
-        is_slight[a] = !is_plane && spread(scan, &part.vertices) < SLIGHT_BEND;
-    }
-    let share = |a: usize, beyond: &Outside, is_face: &[bool]| {
-        let ends = |&&(is_abrupt, label): &&(bool, u32)| {
-            let is_face = || label != NONE && is_face[label as usize];
-            is_abrupt || is_face() && !(is_slight[a] && is_slight[label as usize])
-        };
-        let count = beyond.places.iter().filter(ends).count();
-        if beyond.places.is_empty() { 1.0 } else { count as f64 / beyond.places.len() as f64 }
-    };
-    for (&a, beyond) in alive.iter().zip(&outside) {
-        let only_abrupt = vec![false; division.parts.len()];
-        is_face[a] = beyond.depth >= LEAST_DEPTH && share(a, beyond, &only_abrupt) >= ABRUPT;
-    }
-    loop {
-        let before = is_face.clone();
-        for (&a, beyond) in alive.iter().zip(&outside) {
-            is_face[a] |= share(a, beyond, &is_face) >= BORDERED;
-        }
-        if is_face == before {
-            break;
-        }
-    }
+    let Faces { alive, outside, is_face } = Faces::of(scan, room, division);
     let is_left = |v: u32| {
         let label = division.labels[v as usize];
         label == NONE || !is_face[label as usize]

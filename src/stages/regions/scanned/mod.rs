@@ -84,48 +84,28 @@ pub fn find_scanned(mesh: &Mesh, noise: &ScanNoise) -> Regions {
     let scan = Scan::new(mesh, &rings, noise);
     let mut room = Room::new(scan.len());
     let mut division = Division::new(scan.len());
-    let clock = std::time::Instant::now();
-    let debug = std::env::var_os("SCANNED_TIMES").is_some();
-    let tick = |name: &str, division: &Division| {
-        if debug {
-            eprintln!(
-                "{name} {:.2} s, {} regions",
-                clock.elapsed().as_secs_f64(),
-                division.alive().count()
-            );
-        }
-    };
     seeds::off_creases(&scan, &mut room, &mut division);
-    tick("off creases", &division);
     division.merge(&scan, &mut room);
-    tick("merge", &division);
     division.absorb(&scan, &mut room);
     division.move_borders(&scan);
     division.fit_cores(&scan, &mut room, true);
-    tick("borders", &division);
-    seeds::anywhere(&scan, &mut room, &mut division);
-    tick("anywhere", &division);
-    for round in 0..ROUNDS {
-        if round > 0 {
-            blends::find(&scan, &mut room, &mut division);
-            tick("blends", &division);
+    if !freeform::is_free_form(&scan, &mut room, &mut division) {
+        seeds::anywhere(&scan, &mut room, &mut division);
+        for round in 0..ROUNDS {
+            if round > 0 {
+                blends::find(&scan, &mut room, &mut division);
+            }
+            division.merge(&scan, &mut room);
+            division.absorb(&scan, &mut room);
+            division.move_borders(&scan);
+            division.fit_cores(&scan, &mut room, true);
         }
         division.merge(&scan, &mut room);
-        tick("merge", &division);
         division.absorb(&scan, &mut room);
-        tick("absorb", &division);
-        division.move_borders(&scan);
-        division.fit_cores(&scan, &mut room, true);
-        tick("borders", &division);
+        freeform::give_up(&scan, &mut room, &mut division);
     }
-    division.merge(&scan, &mut room);
-    division.absorb(&scan, &mut room);
-    tick("absorb", &division);
-    freeform::give_up(&scan, &mut room, &mut division);
-    tick("free-form", &division);
     freeform::fill_thin(&scan, &mut division);
     division.fit_cores(&scan, &mut room, false);
-    tick("fill", &division);
     result::gathered(&scan, &EdgeMap::new(mesh), &division)
 }
 
