@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use formats::brep::{BrepCurve, Frame};
-use nalgebra::{DMatrix, Matrix2, Matrix3, Vector2};
+use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::chart::{array, vector};
 use super::hermite::through;
@@ -189,19 +189,13 @@ fn elementary(points: &[Point], is_closed: bool, off: f64) -> Option<BrepCurve> 
     some.push(points[n - 1]);
     let count = some.len();
     let centre = some.iter().map(|p| p.coords).sum::<Vector>() / count as f64;
-    // Singular values that are equal, as those of a circle, cost the decomposition half of its digits.
-    let offs = || some.iter().map(|p| p.coords - centre);
-    let moments = offs().map(|q| q * q.transpose()).sum::<Matrix3<f64>>();
-    let eigen = moments.symmetric_eigen();
-    let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-    let axis = |k: usize| eigen.eigenvectors.column(order[k]).into_owned();
-    let spread = |k: usize| {
-        let axis = axis(k);
-        (offs().map(|q| q.dot(&axis).powi(2)).sum::<f64>() / count as f64).sqrt()
-    };
-    let scale = spread(0).max(1.0);
+    let rows = DMatrix::from_fn(count, 3, |i, k| some[i][k] - centre[k]);
+    let svd = rows.svd(false, true);
+    let axes = svd.v_t.as_ref()?;
+    let axis = |k: usize| Vector::new(axes[(k, 0)], axes[(k, 1)], axes[(k, 2)]);
+    let scale = (svd.singular_values[0] / (count as f64).sqrt()).max(1.0);
     let tolerance = (FITS * scale).max(2.0 * off);
+    let spread = |k: usize| svd.singular_values[k] / (count as f64).sqrt();
     if spread(1) < tolerance && !is_closed {
         return BrepCurve::line(array(points[0]), array(points[n - 1])).ok();
     }
@@ -237,8 +231,7 @@ pub(super) fn circle(points: &[Vector2<f64>], tolerance: f64) -> Option<PlaneArc
     });
     let right =
         DMatrix::from_fn(points.len(), 1, |i, _| points[i].norm_squared() / (scale * scale));
-    let (q, r) = rows.qr().unpack();
-    let found = r.solve_upper_triangular(&(q.transpose() * right))?;
+    let found = rows.svd(true, true).solve(&right, 1e-14).ok()?;
     let centre = Vector2::new(found[0], found[1]);
     let square = found[2] + centre.norm_squared();
     let (centre, radius) = (centre * scale, square.max(0.0).sqrt() * scale);

@@ -90,7 +90,8 @@ impl Condition {
                 vec![length * direction(&first).dot(&direction(&second))]
             }
             ConditionKind::Coaxial(across) => {
-                let apart = second.origin() - first.origin();
+                let (apart, along) = (second.origin() - first.origin(), direction(&first));
+                let apart = apart - apart.dot(&along) * along;
                 across.iter().map(|x| x.dot(&apart)).collect()
             }
         }
