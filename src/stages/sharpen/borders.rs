@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::Work;
 use super::labels::ends;
-use crate::geometry::NONE;
 
 /// Edges between two regions. Of a closed chain the first vertex is the last one.
 #[derive(Debug, Clone)]
@@ -15,14 +14,9 @@ pub(super) struct Border {
     pub is_closed: bool,
 }
 
-/// All borders, and the vertices where they end.
-pub(super) struct Borders {
-    pub all: Vec<Border>,
-    pub is_junction: Vec<bool>,
-}
-
 impl Work<'_> {
-    pub(super) fn borders(&self) -> Borders {
+    /// All borders between regions.
+    pub(super) fn borders(&self) -> Vec<Border> {
         let mut next: BTreeMap<u32, Vec<(u32, [u32; 2])>> = BTreeMap::new();
         for side in 0..3 * self.of.len() {
             let Some(twin) = self.edges.across(side).filter(|&twin| twin > side) else { continue };
@@ -61,7 +55,6 @@ impl Work<'_> {
                 all.push(Border { pair, vertices, is_closed });
             }
         }
-        all.retain(|border| border.pair[1] != NONE || border.pair[0] != NONE);
-        Borders { all, is_junction }
+        all
     }
 }

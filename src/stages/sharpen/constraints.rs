@@ -1,4 +1,4 @@
-//! Conditions between surfaces: pairs that touch. All are met at once with the least motion, in which every surface counts by
+//! Conditions between surfaces: parallel and perpendicular directions, common axes, and pairs that touch. All are met at once with the least motion, in which every surface counts by
 //! its covariance.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::Work;
 use super::surfaces::FittedSurface;
 use crate::geometry::sets::Sets;
-use crate::geometry::{NONE, Point};
+use crate::geometry::{NONE, Point, Vector, plane_axes};
 use crate::primitives::contact::contact;
 use crate::primitives::tangency::{ball_is_second, misses};
 use crate::primitives::{MOST_PARAMETERS, MotionRow, Primitive};
@@ -23,8 +23,22 @@ const KEPT: f64 = 4.0;
 /// It is also kept if it moves the surfaces by less than this share of the noise: real scanners have as large errors that are no noise.
 const RELEVANT: f64 = 0.5;
 
+/// Directions may be parallel or perpendicular if they are so to this sine, and axes may be one line if they are so many edges apart.
+const MOST_LEAN: f64 = 0.05;
+const MOST_APART: f64 = 3.0;
+
+/// Angles count as what they move so many edges away.
+const LEVER: f64 = 30.0;
+
+/// So many conditions of a group may contradict the others.
+const MOST_DROPPED: usize = 30;
+
 /// The steps of Newton's method.
 const STEPS: usize = 12;
+
+/// Newton's method has converged when the size of the motions changes by less than this share: a square of what is left of the
+/// conditions.
+const CONVERGED: f64 = 1e-13;
 
 /// What is left of a condition when it is met, as a share of the edges.
 const MET: f64 = 1e-11;
@@ -38,36 +52,72 @@ const DIFFERENCE: f64 = 1e-2;
 /// The most conditions that are met together. Solving more takes seconds.
 const MOST: usize = 1500;
 
-/// Two surfaces that touch.
+/// A condition between two surfaces. Of two that touch, the second one is the ball that rolls along the first one.
 #[derive(Debug, Clone)]
-struct Touching {
-    pair: [u32; 2],
-    /// The one that the ball, which is the other one, touches.
-    other: usize,
-    ball: usize,
-    points: Vec<Point>,
+struct Condition {
+    first: usize,
+    second: usize,
+    kind: ConditionKind,
 }
 
-impl Touching {
+#[derive(Debug, Clone)]
+enum ConditionKind {
+    /// They touch next to some points.
+    Touching(Vec<Point>),
+    /// Their directions are parallel, given two directions across and the length that makes angles lengths.
+    Parallel([Vector; 2], f64),
+    /// Their directions are perpendicular.
+    Perpendicular(f64),
+    /// Their axes, which are parallel, are one line.
+    Coaxial([Vector; 2]),
+}
+
+impl Condition {
+    /// What is missing, as lengths.
     fn residuals(&self, of: impl Fn(usize) -> Primitive) -> Vec<f64> {
-        let mut all = Vec::new();
-        let (other, ball) = (of(self.other), of(self.ball));
-        self.points.iter().for_each(|&p| misses(&other, &ball, p, &mut all));
-        all
+        let (first, second) = (of(self.first), of(self.second));
+        match &self.kind {
+            ConditionKind::Touching(points) => {
+                let mut all = Vec::new();
+                points.iter().for_each(|&p| misses(&first, &second, p, &mut all));
+                all
+            }
+            ConditionKind::Parallel(across, length) => {
+                let turn = direction(&first).cross(&direction(&second));
+                across.iter().map(|x| length * x.dot(&turn)).collect()
+            }
+            ConditionKind::Perpendicular(length) => {
+                vec![length * direction(&first).dot(&direction(&second))]
+            }
+            ConditionKind::Coaxial(across) => {
+                let (apart, along) = (second.origin() - first.origin(), direction(&first));
+                let apart = apart - apart.dot(&along) * along;
+                across.iter().map(|x| x.dot(&apart)).collect()
+            }
+        }
     }
 }
 
-/// The motions of all surfaces.
-type AllMotions = Vec<MotionRow>;
+/// The normal of a plane, or the direction of an axis. A sphere has none.
+fn direction(surface: &Primitive) -> Vector {
+    match *surface {
+        Primitive::Plane { normal, .. } => normal,
+        _ => surface.axis().unwrap_or_default(),
+    }
+}
 
 impl Work<'_> {
-    /// Makes surfaces touch that do so within the noise. Returns these pairs.
+    /// Meets the conditions that the data allow. Returns the pairs that touch.
     pub(super) fn constrain(&mut self, fits: &[FittedSurface]) -> BTreeSet<[u32; 2]> {
-        let mut kept: Vec<Touching> = self.candidates();
-        kept.retain(|one| self.allows(std::slice::from_ref(one), fits));
+        let mut kept = self.relations(fits);
+        let touching = self.candidates();
+        kept.extend(touching.into_iter().filter(|one| self.allows(one, fits)));
         let mut done = BTreeSet::new();
         for mut group in groups(kept, fits.len()) {
-            while !group.is_empty() && group.len() <= MOST {
+            for _ in 0..MOST_DROPPED {
+                if group.is_empty() || group.len() > MOST {
+                    break;
+                }
                 match self.solved(&group, fits) {
                     Ok(motions) => {
                         for (r, motion) in motions {
@@ -75,24 +125,21 @@ impl Work<'_> {
                                 self.surfaces[r].surface = to;
                             }
                         }
-                        done.extend(group.iter().map(|of| of.pair));
+                        let touching = group.iter().filter(|of| of.is_touching());
+                        done.extend(touching.map(Condition::pair));
                         break;
                     }
-                    // The pairs of the surface that would move farthest are the least likely ones.
+                    // The condition of the surface that would move farthest that costs most is the least likely one.
                     Err(worst) => {
-                        let before = group.len();
-                        let cost = |of: &Touching| self.price(of, fits);
-                        let at = (0..group.len())
-                            .filter(|&k| {
-                                worst.is_none_or(|w| group[k].other == w || group[k].ball == w)
-                            })
-                            .max_by(|&i, &j| cost(&group[i]).total_cmp(&cost(&group[j])));
-                        if let Some(at) = at {
-                            group.remove(at);
-                        }
-                        if group.len() == before {
-                            break;
-                        }
+                        let is_at = |of: &Condition| {
+                            worst.is_none_or(|worst| of.first == worst || of.second == worst)
+                        };
+                        let cost = |&k: &usize| self.price(&group[k], fits);
+                        let dropped = (0..group.len())
+                            .filter(|&k| is_at(&group[k]))
+                            .max_by(|i, j| cost(i).total_cmp(&cost(j)));
+                        let Some(dropped) = dropped else { break };
+                        group.remove(dropped);
                     }
                 }
             }
@@ -100,10 +147,68 @@ impl Work<'_> {
         done
     }
 
+    /// Parallel and perpendicular directions, and axes on one line. Each surface is compared with those before it, the best known
+    /// ones first.
+    fn relations(&self, fits: &[FittedSurface]) -> Vec<Condition> {
+        let error = |r: usize| {
+            let of = &fits[r].covariance;
+            of[(0, 0)].max(of[(1, 1)])
+        };
+        let is_known = |&r: &usize| {
+            fits[r].weight > 1.0 && direction(self.surface(r as u32)).norm() > 0.0 && error(r) > 0.0
+        };
+        let mut order: Vec<usize> = (0..fits.len()).filter(is_known).collect();
+        order.sort_by(|&i, &j| error(i).total_cmp(&error(j)).then(i.cmp(&j)));
+        let length = LEVER * self.edge;
+        let mut leaders: Vec<usize> = Vec::new();
+        let mut lines: Vec<(usize, usize)> = Vec::new();
+        let mut found = Vec::new();
+        for r in order {
+            let own = direction(self.surface(r as u32));
+            let between = |other: usize, kind| Condition { first: other, second: r, kind };
+            let parallel = leaders.iter().copied().find_map(|other| {
+                let d = direction(self.surface(other as u32));
+                let across = plane_axes(d);
+                let one = between(other, ConditionKind::Parallel([across.0, across.1], length));
+                let is_near = d.cross(&own).norm() < MOST_LEAN;
+                (is_near && self.allows(&one, fits)).then_some((other, one))
+            });
+            let Some((leader, one)) = parallel else {
+                let perpendicular = leaders.iter().copied().filter_map(|other| {
+                    let d = direction(self.surface(other as u32));
+                    let one = between(other, ConditionKind::Perpendicular(length));
+                    (d.dot(&own).abs() < MOST_LEAN && self.allows(&one, fits)).then_some(one)
+                });
+                found.extend(perpendicular.take(2));
+                leaders.push(r);
+                if self.surface(r as u32).axis().is_some() {
+                    lines.push((r, r));
+                }
+                continue;
+            };
+            found.push(one);
+            if self.surface(r as u32).axis().is_none() {
+                continue;
+            }
+            let across = plane_axes(direction(self.surface(leader as u32)));
+            let line = lines.iter().filter(|line| line.0 == leader).find_map(|&(_, other)| {
+                let one = between(other, ConditionKind::Coaxial([across.0, across.1]));
+                let apart = self.surface(r as u32).origin() - self.surface(other as u32).origin();
+                let off = apart.cross(&own).norm();
+                (off < MOST_APART * self.edge && self.allows(&one, fits)).then_some(one)
+            });
+            if line.is_none() {
+                lines.push((leader, r));
+            }
+            found.extend(line);
+        }
+        found
+    }
+
     /// The pairs whose normals agree along their border.
-    fn candidates(&self) -> Vec<Touching> {
+    fn candidates(&self) -> Vec<Condition> {
         let mut along: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
-        for border in self.borders().all {
+        for border in self.borders() {
             if border.pair[1] != NONE {
                 along.entry(border.pair).or_default().extend(border.vertices);
             }
@@ -113,7 +218,7 @@ impl Work<'_> {
             let [a, b] = pair.map(|r| self.surfaces[r as usize]);
             let Some(is_second) = ball_is_second(&a.surface, &b.surface) else { continue };
             let [x, y] = pair.map(|r| r as usize);
-            let (other, ball) = if is_second { (x, y) } else { (y, x) };
+            let (first, second) = if is_second { (x, y) } else { (y, x) };
             let turn = |&v: &u32| {
                 let p = self.mesh.points[v as usize];
                 let (n, m) = (a.side * a.surface.normal(p), b.side * b.surface.normal(p));
@@ -129,19 +234,20 @@ impl Work<'_> {
                 contact(&a.surface, &b.surface, p)
             };
             let points = picked.map(point).to_vec();
-            found.push(Touching { pair, other, ball, points });
+            found.push(Condition { first, second, kind: ConditionKind::Touching(points) });
         }
         found
     }
 
-    fn price(&self, of: &Touching, fits: &[FittedSurface]) -> f64 {
+    fn price(&self, of: &Condition, fits: &[FittedSurface]) -> f64 {
         let found = self.step(std::slice::from_ref(of), fits, &BTreeMap::new());
         found.map_or(f64::INFINITY, |found| found.1)
     }
 
-    /// Whether the data allow some conditions.
-    fn allows(&self, conditions: &[Touching], fits: &[FittedSurface]) -> bool {
-        let Some((motions, cost, rank)) = self.step(conditions, fits, &BTreeMap::new()) else {
+    /// Whether the data allow a condition.
+    fn allows(&self, condition: &Condition, fits: &[FittedSurface]) -> bool {
+        let one = std::slice::from_ref(condition);
+        let Some((motions, cost, rank)) = self.step(one, fits, &BTreeMap::new()) else {
             return false;
         };
         let limit = rank as f64 * MeanSquare(rank as f64).at(KEPT);
@@ -156,12 +262,18 @@ impl Work<'_> {
     /// Meets all conditions of a group. Otherwise the surface that would move farthest is returned.
     fn solved(
         &self,
-        group: &[Touching],
+        group: &[Condition],
         fits: &[FittedSurface],
     ) -> Result<BTreeMap<usize, MotionRow>, Option<usize>> {
         let mut motions = BTreeMap::new();
+        let mut last = f64::INFINITY;
         for _ in 0..STEPS {
-            motions = self.step(group, fits, &motions).ok_or(None)?.0;
+            let (next, cost, _) = self.step(group, fits, &motions).ok_or(None)?;
+            motions = next;
+            if (cost - last).abs() <= CONVERGED * cost {
+                break;
+            }
+            last = cost;
         }
         let of = |r: usize| {
             let motion = motions.get(&r).copied().unwrap_or_default();
@@ -180,12 +292,12 @@ impl Work<'_> {
     /// of independent conditions.
     fn step(
         &self,
-        group: &[Touching],
+        group: &[Condition],
         fits: &[FittedSurface],
         now: &BTreeMap<usize, MotionRow>,
     ) -> Option<(BTreeMap<usize, MotionRow>, f64, usize)> {
         let motion = |r: usize| now.get(&r).copied().unwrap_or_default();
-        let mut members: Vec<usize> = group.iter().flat_map(|of| [of.other, of.ball]).collect();
+        let mut members: Vec<usize> = group.iter().flat_map(|of| [of.first, of.second]).collect();
         members.sort_unstable();
         members.dedup();
         let mut surfaces: BTreeMap<usize, Primitive> = BTreeMap::new();
@@ -199,9 +311,9 @@ impl Work<'_> {
             let own = one.residuals(|r| surfaces[&r]);
             let first = rows.len();
             let zero = MotionRow::zeros();
-            rows.extend(own.iter().map(|_| [(one.other, zero), (one.ball, zero)]));
+            rows.extend(own.iter().map(|_| [(one.first, zero), (one.second, zero)]));
             values.extend(&own);
-            for (side, r) in [one.other, one.ball].into_iter().enumerate() {
+            for (side, r) in [one.first, one.second].into_iter().enumerate() {
                 for k in 0..MOST_PARAMETERS {
                     let h = DIFFERENCE * fits[r].covariance[(k, k)].max(0.0).sqrt();
                     if h <= 0.0 {
@@ -289,13 +401,24 @@ fn squared(fit: &FittedSurface, motion: &MotionRow) -> f64 {
     scaled.cholesky().map_or(0.0, |of| x.dot(&of.solve(&x)))
 }
 
+impl Condition {
+    fn is_touching(&self) -> bool {
+        matches!(self.kind, ConditionKind::Touching(_))
+    }
+
+    fn pair(&self) -> [u32; 2] {
+        let [a, b] = [self.first as u32, self.second as u32];
+        [a.min(b), a.max(b)]
+    }
+}
+
 /// Conditions that share surfaces.
-fn groups(all: Vec<Touching>, surfaces: usize) -> Vec<Vec<Touching>> {
+fn groups(all: Vec<Condition>, surfaces: usize) -> Vec<Vec<Condition>> {
     let mut sets = Sets::new(surfaces);
-    all.iter().for_each(|of| sets.join(of.other, of.ball));
-    let mut groups: BTreeMap<usize, Vec<Touching>> = BTreeMap::new();
+    all.iter().for_each(|of| sets.join(of.first, of.second));
+    let mut groups: BTreeMap<usize, Vec<Condition>> = BTreeMap::new();
     for one in all {
-        groups.entry(sets.find(one.other)).or_default().push(one);
+        groups.entry(sets.find(one.first)).or_default().push(one);
     }
     groups.into_values().collect()
 }

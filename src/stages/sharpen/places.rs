@@ -28,6 +28,9 @@ const HELD: f64 = 1e-4;
 const RELAXED: u32 = 6;
 const RELAXATIONS: usize = 20;
 
+/// The direction of a border is that between vertices so many steps away: borders that go to and fro do so over two or three.
+const AHEAD: isize = 4;
+
 /// How often triangles may change or lose their region.
 const ROUNDS: usize = 8;
 
@@ -47,16 +50,6 @@ impl Work<'_> {
                 break;
             }
             for (v, why) in failed {
-                if std::env::var("DBG").is_ok() {
-                    let regs = self.around(v);
-                    eprintln!(
-                        "  r{round} v{v} {:?} {why} at {:.2?}",
-                        regs.iter()
-                            .map(|&r| format!("{r}{}", &self.surface(r).kind().name()[..2]))
-                            .collect::<Vec<_>>(),
-                        self.mesh.points[v as usize]
-                    );
-                } // DBG
                 if round < ROUNDS && self.relabel(v, touching) {
                     continue;
                 }
@@ -95,7 +88,7 @@ impl Work<'_> {
             points[v as usize] = at;
         }
         if failed.is_empty() {
-            for border in self.borders().all {
+            for border in self.borders() {
                 if border.pair[1] != NONE {
                     self.put_in_order(&border, touching, points);
                 }
@@ -238,43 +231,42 @@ impl Work<'_> {
 
     /// Makes the vertices of a border follow each other along its curve.
     fn put_in_order(&self, border: &Border, touching: &BTreeSet<[u32; 2]>, points: &mut [Point]) {
-        let vertices = &border.vertices;
-        if border.is_closed || vertices.len() < 3 {
-            return;
-        }
         let [a, b] = border.pair;
         let is_touching = self.is_touching(a, b, touching);
         let (x, y) = (self.surface(a), self.surface(b));
-        let place = |p: Point| on_two(x, y, is_touching, p);
+        let mut vertices = border.vertices.clone();
         let n = vertices.len() - 1;
-        let own: Vec<Point> = vertices.iter().map(|&v| points[v as usize]).collect();
-        // The direction of the curve, that of the border as a whole.
-        let mut along: Vec<f64> = vec![0.0];
-        let mut tangent = own[n] - own[0];
-        for pair in own.windows(2) {
-            let step = pair[1] - pair[0];
-            let middle = nalgebra::center(&pair[0], &pair[1]);
-            let mut direction =
-                if is_touching { tangent } else { x.normal(middle).cross(&y.normal(middle)) };
-            if direction.dot(&tangent) < 0.0 {
-                direction = -direction;
-            }
-            let sign = if step.dot(&direction) < 0.0 { -1.0 } else { 1.0 };
-            along.push(along[along.len() - 1] + sign * step.norm());
-            if sign > 0.0 && step.norm() > 0.0 {
-                tangent = step;
-            }
-        }
-        let total = along[n];
-        let is_ordered = along.windows(2).all(|w| w[1] > w[0]);
-        if is_ordered || total <= 0.0 {
+        if n < 2 {
             return;
         }
+        let along = steps_along(&vertices, border.is_closed, points);
+        let total: f64 = along.iter().sum();
+        if along.iter().all(|&step| step > 0.0) || total <= 0.0 {
+            return;
+        }
+        let mut places: Vec<f64> = vec![0.0];
+        along.iter().for_each(|step| places.push(places[places.len() - 1] + step));
+        if border.is_closed {
+            // A closed border starts at a vertex that none passes.
+            let Some(start) = (0..n).find(|&k| {
+                places[..k].iter().all(|&at| at < places[k])
+                    && places[k + 1..=n].iter().all(|&at| at > places[k])
+            }) else {
+                return;
+            };
+            let rest = places[start..n].iter().map(|at| at - places[start]);
+            let first = places[..=start].iter().map(|at| at + total - places[start]);
+            places = rest.chain(first).collect();
+            vertices.pop();
+            vertices.rotate_left(start);
+            vertices.push(vertices[0]);
+        }
+        let own: Vec<Point> = vertices.iter().map(|&v| points[v as usize]).collect();
         // Those that do not pass a vertex before or behind them stay.
         let mut kept: Vec<usize> = vec![0];
         for k in 1..n {
             let last = kept[kept.len() - 1];
-            if along[k] > along[last] && along[k] < total {
+            if places[k] > places[last] && places[k] < total {
                 kept.push(k);
             }
         }
@@ -283,10 +275,26 @@ impl Work<'_> {
             let (from, to) = (pair[0], pair[1]);
             for k in from + 1..to {
                 let share = (k - from) as f64 / (to - from) as f64;
-                points[vertices[k] as usize] = place(own[from] + share * (own[to] - own[from]));
+                let between = own[from] + share * (own[to] - own[from]);
+                points[vertices[k] as usize] = on_two(x, y, is_touching, between);
             }
         }
     }
+}
+
+/// For each step of a border how far it goes along the border as a whole: negative where it goes back.
+fn steps_along(vertices: &[u32], is_closed: bool, points: &[Point]) -> Vec<f64> {
+    let n = vertices.len() - 1;
+    let at = |k: isize| {
+        let k = if is_closed { k.rem_euclid(n as isize) } else { k.clamp(0, n as isize) };
+        points[vertices[k as usize] as usize]
+    };
+    let step = |k: usize| {
+        let k = k as isize;
+        let (step, whole) = (at(k + 1) - at(k), at(k + 1 + AHEAD) - at(k - AHEAD));
+        if step.dot(&whole) < 0.0 { -step.norm() } else { step.norm() }
+    };
+    (0..n).map(step).collect()
 }
 
 /// The point next to a point on the curve in which two surfaces cross or touch.
