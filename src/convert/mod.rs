@@ -27,6 +27,7 @@ mod places;
 mod refined;
 mod scan;
 mod shape;
+mod smoothed;
 mod stage;
 
 pub use assembly::{
