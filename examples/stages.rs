@@ -29,6 +29,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let measured = pieces.take(Choice::Largest)?.into_own_disk(Outer::Auto, &mut repairs)?;
     println!("mesh: {} vertices, {} hole", measured.mesh.points.len(), measured.holes.len());
 
+    // Smoothing leaves nothing small, so that a dense scan has more vertices than needed. It is thinned before,
+    // unless the user names a tolerance, which holds at every point: `smooth::examine` and its outlook tell what
+    // `thin::thin` may remove, and `smoothed_part` smooths the vertices that stay.
     let (smoothed, smoothing) = smooth::smooth(&measured, &smooth::Options::default())?;
     println!("smooth: noise {:.3} mm, support {:.1} mm", mm * smoothing.noise, mm * smoothing.h);
 
@@ -37,9 +40,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (patch, filling) = fill::fill(smoothed, &measured.mesh.points, &how)?;
     println!("fill: {} triangles", filling.holes[0].added_triangles);
 
-    // Smoothing leaves nothing small, so that a dense scan has more vertices than needed. They are
-    // thinned unless the user names a tolerance, which holds at every point:
-    // let (patch, _) = thin::thin(patch, &smoothing.supports, &thin::Options::default())?;
     let how = parameterize::Options::default();
     let (mut map, mapping) = parameterize::parameterize(patch, &how)?;
     println!("parameterize: stretch {:.2}", mapping.stretch.l2);

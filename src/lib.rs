@@ -66,9 +66,9 @@
 //! | --- | --- | --- | --- |
 //! | cloud | [`triangulate`](stages::cloud::triangulate) | points | polygons |
 //! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes, or a body |
+//! | thin | [`thin`](stages::thin::thin) | that | the same with fewer vertices, if the scan is dense for its noise |
 //! | smooth | [`smooth`](stages::smooth::smooth) | that | the same, smoothed |
 //! | fill | [`fill`](stages::fill::fill) | that | a disk, or a closed body |
-//! | thin | [`thin`](stages::thin::thin) | a disk | a disk with fewer vertices, if the scan is dense for its noise |
 //! | parameterize | [`parameterize`](stages::parameterize::parameterize) | that | parameters in [0, 1]² |
 //! | knots, fit | [`fit`](stages::adapt::fit); [`place`](stages::knots::place), [`fit`](stages::fit::fit) | these | a surface |
 //! | layout | [`layout`](stages::layout::layout) | a closed body | blocks of quads |

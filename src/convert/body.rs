@@ -1,4 +1,4 @@
-//! The way from a body to a solid or a shell: mesh → smooth → fill → layout → net → patches →
+//! The way from a body to a solid or a shell: mesh → thin and smooth → fill → layout → net → patches →
 //! refine → trim → brep → deviation. A body is closed, or has gaps that are filled. A solid keeps its
 //! fills, and of a shell they are cut out.
 
@@ -6,15 +6,16 @@ use super::conversion::{Body, BodyFit, Missed, NetworkFit, Seams};
 use super::face_options::FaceOptions;
 use super::faces::{Faces, SEAM_PLACES, faces};
 use super::gaps::Gaps;
+use super::smoothed::{Smoothed, smoothed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape, goal, input};
-use crate::deviation;
+use crate::deviation::NetworkFaces;
 use crate::error::Result;
-use crate::mesh::Components;
+use crate::mesh::{Components, Patch};
 use crate::spline::Network;
 use crate::stages::adapt::Goal;
 use crate::stages::trim::EDGE_ACCURACY;
-use crate::stages::{brep, fill, smooth, trim};
+use crate::stages::{brep, fill, trim};
 
 /// Converts one component of a scan to a solid, a void or a shell, in the lengths of its mesh.
 pub(super) fn body(
@@ -24,27 +25,32 @@ pub(super) fn body(
     watch: &mut Observer,
 ) -> Result<Body> {
     let mm = scan.mm();
-    let (measured, input) = input::body(scan, shape, options)?;
+    let (mut measured, input) = input::body(scan, shape, options)?;
     watch(Stage::Mesh(&measured))?;
     let rough = scan.at_measured_places(&measured);
-    let (smoothed, smooth) =
-        smooth::smooth_with(&rough, &options.smooth, &mut within("smooth", watch))?;
-    watch(Stage::Smooth(&smoothed))?;
+    // A tolerance that the user names is held at every point.
+    let holds_each = options.tolerance.is_some();
+    let found = smoothed(&rough, &options.smooth, holds_each, watch)?;
+    let Smoothed { disk, measured: means, stand_ins, thin, smooth } = found;
+    watch(Stage::Smooth(&disk))?;
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
     let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
-    let points = &rough.mesh.points;
     let (patch, fill) = if shape == TargetShape::Shell {
-        fill::fill_of_shell(smoothed, points, &fill_options, &mut within("fill", watch))?
+        fill::fill_of_shell(disk, &means, &fill_options, &mut within("fill", watch))?
     } else {
-        fill::fill_with(smoothed, points, &fill_options, &mut within("fill", watch))?
+        fill::fill_with(disk, &means, &fill_options, &mut within("fill", watch))?
     };
-    watch(Stage::Fill(&patch))?;
-
+    drop(means);
+    drop(rough);
     let is_clean = !goal.named && !smooth.is_noisy;
     let facets = if is_clean { goal::of_facets(&measured.mesh) } else { 0.0 };
+    measured.mesh.triangles = Vec::new();
+    let patch = Patch { stand_ins, ..patch };
+    watch(Stage::Fill(&patch))?;
+
     let face_options = FaceOptions {
         wanted: options.faces,
         knots: options.knots.clone(),
@@ -70,8 +76,11 @@ pub(super) fn body(
 
     let smoothed = &patch.mesh.points[..patch.measured];
     let raw = scan.measured_points(&measured.mesh.points);
-    let fit_deviation = deviation::of_network(&own, &cut, smoothed).scaled(mm);
-    let deviation = deviation::of_network(&own, &cut, &raw.points).scaled(mm);
+    let kept = NetworkFaces::new(&own, &cut);
+    let (fit_deviation, places) = kept.deviation_and_places(smoothed, None);
+    let starts = patch.of_scan(&places);
+    let (deviation, _) = kept.deviation_and_places(&raw.points, Some(&raw.of_vertices(&starts)));
+    let [fit_deviation, deviation] = [fit_deviation, deviation].map(|of| of.scaled(mm));
     watch(Stage::Deviation)?;
     Ok(Body {
         input,
@@ -95,6 +104,7 @@ pub(super) fn body(
         fit: BodyFit::Network(Box::new(NetworkFit {
             seams: seams(&network),
             folds: to_scan.inverted.len(),
+            thin,
             layout: layout.scaled(mm),
             net: net.scaled(mm),
             irregular,

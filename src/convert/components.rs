@@ -21,7 +21,7 @@ pub(super) fn converted(
     watch: &mut Observer,
 ) -> Result<Conversion> {
     let mut fallback = None;
-    if exact::are_wanted(scan, options) {
+    if exact::are_wanted(scan, options) && !exact::is_noisy(scan, options.component) {
         let chosen = with_voids(scan, exact_choice::chosen(scan, options)?)?;
         let found = match exact::exact(scan, &chosen, options, watch)? {
             Exact::Unsuited => scanned::scanned(scan, &chosen, options, watch)?,

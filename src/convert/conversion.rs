@@ -152,7 +152,7 @@ pub struct SurfaceFit {
     /// The loops: the outer one unless it is on the surface's sides, those of the
     /// holes cut out and of the islands in them.
     pub loops: Vec<trim::TrimLoop>,
-    /// What was thinned for the map and the fit.
+    /// What was thinned for the smoothing, the map and the fit.
     pub thin: thin::Report,
     /// How good the map is.
     pub parameterize: parameterize::Report,
@@ -178,6 +178,8 @@ pub struct NetworkFit {
     pub network: Network,
     /// The loops along the gaps, and the faces that they leave.
     pub cut: NetworkCut,
+    /// What was thinned for the smoothing and the fit.
+    pub thin: thin::Report,
     /// The quads.
     pub layout: layout::Report,
     /// The fit of the surface.

@@ -33,6 +33,17 @@ pub(super) fn are_wanted(scan: &Components, options: &Options) -> bool {
     scan.raw_points().is_none() && options.spline_option().is_none()
 }
 
+/// A mesh with fewer triangles is looked at as a whole. So many triangles suffice to tell noise.
+const SAMPLED: usize = 2000;
+
+/// Whether a sample of a large component tells that it is noisy, so that no part of it needs to be taken for exact faces.
+pub(super) fn is_noisy(scan: &Components, component: Choice) -> bool {
+    let Some(sample) = scan.sampled(component, SAMPLED) else { return false };
+    let errors = FileRounding::errors_of(&sample.points, scan.unit());
+    let is_clean = FlatPairs::of(&Tessellation::new(&sample, &errors)).is_clean();
+    !is_clean.unwrap_or_else(|| scan.is_closed(component))
+}
+
 /// A component with its exact regions.
 struct ExactComponent {
     component: Choice,

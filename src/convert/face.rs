@@ -1,4 +1,4 @@
-//! The way from a scan to one face: mesh → smooth → fill → thin → parameterize →
+//! The way from a scan to one face: mesh → thin and smooth → fill → parameterize →
 //! knots and fit → trim → brep → deviation. Whoever reads [`face`] has read what the program does.
 //!
 //! The stages work in the lengths of the scan's mesh: its own numbers by a power of two
@@ -8,6 +8,7 @@
 use rayon::prelude::*;
 
 use super::conversion::{Body, BodyFit, Missed, SurfaceFit};
+use super::smoothed::{Smoothed, smoothed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape, cut, input};
 use crate::error::Result;
@@ -15,19 +16,21 @@ use crate::geometry::{Point, Uv};
 use crate::mesh::{Components, Parameterized, Patch};
 use crate::spline::Surface;
 use crate::stages::adapt::Goal;
-use crate::stages::{adapt, brep, fill, parameterize, smooth, thin, trim};
-use crate::{deviation, progress, spline};
+use crate::stages::{adapt, brep, fill, parameterize, trim};
+use crate::{deviation, spline};
 
 /// Converts one component of a scan to one face.
 pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Body> {
     let mm = scan.mm();
-    let (measured, input) = input::disk(scan, options)?;
+    let (mut measured, input) = input::disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
 
     let rough = scan.at_measured_places(&measured);
-    let (smoothed, smooth) =
-        smooth::smooth_with(&rough, &options.smooth, &mut within("smooth", watch))?;
-    watch(Stage::Smooth(&smoothed))?;
+    // A tolerance that the user names is held at every point.
+    let holds_each = options.tolerance.is_some();
+    let found = smoothed(&rough, &options.smooth, holds_each, watch)?;
+    let Smoothed { disk, measured: means, stand_ins, thin, smooth } = found;
+    watch(Stage::Smooth(&disk))?;
     // Vertices that stand for several points have less noise than these.
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
     let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
@@ -38,14 +41,19 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
 
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
-    let smoothed_points = smoothed.mesh.points.clone();
-    let (patch, fill) =
-        fill::fill_with(smoothed, &rough.mesh.points, &fill_options, &mut within("fill", watch))?;
+    let smoothed_points = disk.mesh.points.clone();
+    let (patch, fill) = fill::fill_with(disk, &means, &fill_options, &mut within("fill", watch))?;
+    drop(means);
+    drop(rough);
+    measured.mesh.triangles = Vec::new();
+    let patch = Patch { stand_ins, ..patch };
     watch(Stage::Fill(&patch))?;
 
-    // A tolerance that the user names is held at every point.
-    let supports = if goal.named { &[][..] } else { &smooth.supports };
-    let (mut map, thin, parameterize) = map(patch, supports, options, watch)?;
+    let (mut map, parameterize) = parameterize::parameterize_with(
+        patch,
+        &options.parameterize,
+        &mut within("parameterize", watch),
+    )?;
     let largest_net = options.knots.largest_net_for(&goal, map.patch.measured);
     let crushed = parameterize::compressed_region(&map, tolerance, largest_net);
     watch(Stage::Parameterize(&map, crushed))?;
@@ -74,13 +82,15 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
 
     let face =
         deviation::TrimmedFace::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
-    let (fit_deviation, starts) = face.deviation_and_places(&smoothed_points, &map.scan_uv());
+    let (fit_deviation, places) =
+        face.deviation_and_places(&smoothed_points, &map.uv[..map.patch.measured]);
     let raw = scan.measured_points(&measured.mesh.points);
+    let starts = map.patch.of_scan(&places);
     let deviation = face.deviation(&raw.points, &raw.of_vertices(&starts));
     let of_vertices = || face.deviation(&measured.mesh.points, &starts).scaled(mm);
     let vertex_deviation = raw.vertex_of.as_ref().map(|_| of_vertices());
     let excused = if trim_options.keeps_vertices { 0.0 } else { rim_tolerance };
-    let missed = missed(&face, (&smoothed_points, &starts), &fit_deviation, (tolerance, excused));
+    let missed = missed(&face, (&smoothed_points, &places), &fit_deviation, (tolerance, excused));
     let seen = map.measured_triangles();
     let between = deviation::SurfaceOverMesh::new(&map.patch.mesh, &seen, &map.uv, &surface);
     let face_to_scan = between.report(tolerance, |at| face.contains(at));
@@ -117,22 +127,6 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
             rim_tolerance: mm * rim_tolerance,
         })),
     })
-}
-
-/// Maps a patch to the unit square, thinned to what the supports of its vertices let differ.
-fn map(
-    patch: Patch,
-    supports: &[f64],
-    options: &Options,
-    watch: &mut Observer,
-) -> Result<(Parameterized, thin::Report, parameterize::Report)> {
-    let progress = &mut within("parameterize", watch);
-    let how = thin::Options::default();
-    let (patch, thin) =
-        thin::thin_with(patch, supports, &how, &mut progress::step(progress, 0, 2))?;
-    let rest = &mut progress::step(progress, 1, 2);
-    let (map, report) = parameterize::parameterize_with(patch, &options.parameterize, rest)?;
-    Ok((map, thin, report))
 }
 
 /// The smoothed points that miss the tolerance, but for those that a loop cuts off by no more

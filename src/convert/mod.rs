@@ -28,6 +28,7 @@ mod refined;
 mod scan;
 mod scanned;
 mod shape;
+mod smoothed;
 mod stage;
 
 pub use assembly::{

@@ -89,8 +89,10 @@ pub fn convert<'a>(
     }
     threads::run(options.threads, || match scan {
         Scan::Mesh(soup) => {
-            let made = components::converted(&mesh_components(&soup, &options)?, &options, watch)?;
-            Ok(Conversion { colour: soup.colour, ..made })
+            let (components, colour) = (mesh_components(&soup, &options)?, soup.colour);
+            drop(soup);
+            let made = components::converted(&components, &options, watch)?;
+            Ok(Conversion { colour, ..made })
         }
         Scan::Cloud(cloud) => {
             let mut progress = stage::within("cloud", watch);

@@ -1,5 +1,7 @@
 //! What becomes of a component: a face, a shell, a solid, or a void in a solid.
 
+use std::cell::LazyCell;
+
 use crate::error::Result;
 use crate::mesh::{Choice, Component, Components, Nested};
 
@@ -72,13 +74,12 @@ pub(super) fn shape_of(component: &Component) -> TargetShape {
 /// What one component becomes, and why.
 pub(super) fn shape_and_reason(component: &Component) -> (TargetShape, &'static str) {
     let topology = &component.topology;
+    let ends = LazyCell::new(|| component.filling_shares());
     match topology.orientable {
         true if topology.loops == 0 => (TargetShape::Solid, "as it is closed"),
-        true if component.gap_share() < GAPS => (TargetShape::Solid, "as its gaps are small"),
+        true if ends.iter().sum::<f64>() < GAPS => (TargetShape::Solid, "as its gaps are small"),
         true if topology.genus() > 0.0 => (TargetShape::Shell, "as one face holds no handles"),
-        true if is_pipe(&component.filling_shares()) => {
-            (TargetShape::Shell, "as one face holds no pipe with open ends")
-        }
+        true if is_pipe(&ends) => (TargetShape::Shell, "as one face holds no pipe with open ends"),
         _ => (TargetShape::Face, "as it is one sheet"),
     }
 }

@@ -10,7 +10,7 @@ use super::slab_polygon::SlabPolygon;
 use crate::geometry::{Point, Uv, bounds};
 use crate::spline::chords::chords;
 use crate::spline::nearest::{Foot, NearestPlace, NearestSearch};
-use crate::spline::{ACCURACY, Curve, EdgeTree, ParametricSurface, Surface};
+use crate::spline::{ACCURACY, Curve, EdgeTree, Jet, ParametricSurface, Surface};
 
 /// A surface in a form that is faster to evaluate, if there is one ([`ParametricSurface::fast_form`]).
 pub(crate) type FastForm = Option<Arc<dyn ParametricSurface>>;
@@ -101,8 +101,12 @@ impl<'a> TrimmedFace<'a, Surface> {
         starts: &[Uv],
     ) -> (Deviation, Vec<Uv>) {
         let each = points.par_iter().zip(starts).map(|(&p, &start)| {
-            let (at, distance) = self.nearest(p, Some(start));
-            (at, (distance, self.is_above(p, at)))
+            let (best, foot) = self.nearest_and_foot(p, start);
+            let is_above = match foot.at == best.at {
+                true => is_before(&foot.jet, p),
+                false => self.is_above(p, best.at),
+            };
+            (best.at, (best.distance, is_above))
         });
         let (places, (distances, above)): (Vec<Uv>, (Vec<f64>, Vec<bool>)) = each.unzip();
         (Deviation::of(points, distances).with_sides(above), places)
@@ -110,8 +114,7 @@ impl<'a> TrimmedFace<'a, Surface> {
 
     /// Whether a point is on the side of the surface's normal at `at`, or on the surface.
     pub(super) fn is_above(&self, p: Point, at: Uv) -> bool {
-        let jet = self.surface.jet(at);
-        (p - jet.s).dot(&jet.su.cross(&jet.sv)) >= 0.0
+        is_before(&self.surface.jet(at), p)
     }
 }
 
@@ -163,18 +166,24 @@ impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
     /// The nearest point is a foot point on the face, or it lies on a trim curve. On a face that
     /// ends where the surface ends it may also lie at this end.
     pub fn nearest(&self, p: Point, start: Option<Uv>) -> (Uv, f64) {
-        let evaluated = evaluated(self.surface, &self.fast_form);
         let start = start.unwrap_or_else(|| self.search.start(p));
+        let (best, _) = self.nearest_and_foot(p, start);
+        (best.at, best.distance)
+    }
+
+    /// The nearest place of the face, and the foot point from which it was found. They are often the same.
+    fn nearest_and_foot(&self, p: Point, start: Uv) -> (NearestPlace, Foot) {
+        let evaluated = evaluated(self.surface, &self.fast_form);
         let foot = Foot::find(evaluated, p, start);
         let own = NearestPlace { at: foot.at, distance: foot.distance };
         let is_on_face = self.contains(foot.at);
         let mut best = if is_on_face { own } else { self.trim.nearest(p).unwrap_or(own) };
         if !self.search.proves_nearest(p, &foot, best.distance) {
-            let edge = if is_on_face { self.trim.nearest(p) } else { None };
-            best = edge.filter(|edge| edge.distance < best.distance).unwrap_or(best);
+            let edge = if is_on_face { self.trim.nearer_than(best.distance, p) } else { None };
+            best = edge.unwrap_or(best);
             best = self.search.improve(evaluated, p, best, &|at| self.contains(at));
         }
-        (best.at, best.distance)
+        (best, foot)
     }
 
     /// The corners of a box around the face. `None` if no cell of the surface is on the face.
@@ -221,10 +230,24 @@ impl Trim {
 
     /// The nearest point of the trim curves.
     fn nearest(&self, p: Point) -> Option<NearestPlace> {
-        let (side, share, distance) = self.edges.nearest(p)?;
-        let [a, b] = self.sides[side];
-        Some(NearestPlace { at: a + share * (b - a), distance })
+        self.edges.nearest(p).map(|near| self.place(near))
     }
+
+    /// The same if it is nearer than `reach`.
+    fn nearer_than(&self, reach: f64, p: Point) -> Option<NearestPlace> {
+        self.edges.nearer_than(reach, p).map(|near| self.place(near))
+    }
+
+    /// The place of a position along a side, which has this distance.
+    fn place(&self, (side, share, distance): (usize, f64, f64)) -> NearestPlace {
+        let [a, b] = self.sides[side];
+        NearestPlace { at: a + share * (b - a), distance }
+    }
+}
+
+/// Whether a point is on the side of the surface's normal, or on the surface.
+fn is_before(jet: &Jet, p: Point) -> bool {
+    (p - jet.s).dot(&jet.su.cross(&jet.sv)) >= 0.0
 }
 
 /// The sides of a ring that are edges.

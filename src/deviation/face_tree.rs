@@ -57,17 +57,30 @@ impl<'a, S: ParametricSurface> FaceTree<'a, S> {
     /// The distance of `p` from the nearest face, the number of its place, and the place on it. Of faces at
     /// the same distance it is the first. The distance is infinite if there are no faces.
     pub(crate) fn nearest(&self, p: Point) -> (f64, usize, Uv) {
-        let mut best = (f64::INFINITY, 0, Uv::origin());
+        self.nearest_from(p, None)
+    }
+
+    /// The same from a start: the number of a place, and a place on its face that is near the nearest one.
+    pub(super) fn nearest_from(&self, p: Point, start: Option<(usize, Uv)>) -> (f64, usize, Uv) {
+        let on_face = |number: usize, start: Option<Uv>| {
+            let placed = &self.places[number];
+            let (local, scale) = placed.back(p);
+            let (at, distance) = self.faces[placed.face].nearest(local, start);
+            (scale * distance, number, at)
+        };
+        let start = start.filter(|(number, _)| *number < self.places.len());
+        let first = start.map(|(number, at)| on_face(number, Some(at)));
+        let mut best = first.unwrap_or((f64::INFINITY, 0, Uv::origin()));
         for (entry, squared) in self.boxes.nearest_neighbor_iter_with_distance_2(p.into()) {
             if squared.sqrt() > best.0 {
                 break;
             }
-            let placed = &self.places[entry.data];
-            let (local, scale) = placed.back(p);
-            let (at, distance) = self.faces[placed.face].nearest(local, None);
-            let distance = scale * distance;
-            if (distance, entry.data) < (best.0, best.1) {
-                best = (distance, entry.data, at);
+            if first.is_some_and(|(_, number, _)| number == entry.data) {
+                continue;
+            }
+            let other = on_face(entry.data, None);
+            if (other.0, other.1) < (best.0, best.1) {
+                best = other;
             }
         }
         best

@@ -17,6 +17,7 @@ pub(crate) use face_to_scan::{
     spanned,
 };
 pub(crate) use face_tree::{FacePlace, FaceTree};
+pub(crate) use network::NetworkFaces;
 pub use network::{FaceMiss, NetworkToScan, network_to_scan, of_network};
 pub use tessellation::{crossing_faces, tessellation};
 

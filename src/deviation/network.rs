@@ -10,19 +10,42 @@ use crate::spline::{KeptFace, KeptPlaces, Network, NetworkCut, SAMPLES_PER_SPAN}
 /// The deviation of points from the faces that a cut leaves of a network, the sides of the faces that they
 /// are on, and the face nearest to each.
 pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Deviation {
-    let face = |face: &KeptFace| {
-        let surface = &network.surfaces[face.surface];
-        let natural = face.is_whole();
-        let loops = if natural { Vec::new() } else { cut.boundary(network, face) };
-        TrimmedFace::new(surface, loops.iter().map(Vec::as_slice), natural)
-    };
-    let tree = FaceTree::new(cut.faces.iter().map(face).collect());
-    let each = points.par_iter().map(|&p| {
-        let (distance, number, at) = tree.nearest(p);
-        (distance, (tree.is_above(p, number, at), number))
-    });
-    let (distances, (above, faces)): (Vec<f64>, (Vec<bool>, Vec<usize>)) = each.unzip();
-    Deviation { faces, ..Deviation::of(points, distances).with_sides(above) }
+    NetworkFaces::new(network, cut).deviation_and_places(points, None).0
+}
+
+/// A place on one of several faces: the number of the face, and its parameter point.
+pub(crate) type PlaceOnFaces = (usize, Uv);
+
+/// The faces that a cut leaves of a network.
+pub(crate) struct NetworkFaces<'a>(FaceTree<'a, crate::spline::Surface>);
+
+impl<'a> NetworkFaces<'a> {
+    pub(crate) fn new(network: &'a Network, cut: &NetworkCut) -> Self {
+        let face = |face: &KeptFace| {
+            let surface = &network.surfaces[face.surface];
+            let natural = face.is_whole();
+            let loops = if natural { Vec::new() } else { cut.boundary(network, face) };
+            TrimmedFace::new(surface, loops.iter().map(Vec::as_slice), natural)
+        };
+        NetworkFaces(FaceTree::new(cut.faces.iter().map(face).collect()))
+    }
+
+    /// The deviation of points, and the nearest place of each. `starts` are places near these.
+    pub(crate) fn deviation_and_places(
+        &self,
+        points: &[Point],
+        starts: Option<&[PlaceOnFaces]>,
+    ) -> (Deviation, Vec<PlaceOnFaces>) {
+        let NetworkFaces(tree) = self;
+        let each = points.par_iter().enumerate().map(|(i, &p)| {
+            let (distance, number, at) = tree.nearest_from(p, starts.map(|starts| starts[i]));
+            ((distance, (number, at)), (tree.is_above(p, number, at), number))
+        });
+        let (found, (above, faces)): (Vec<(f64, PlaceOnFaces)>, (Vec<bool>, Vec<usize>)) =
+            each.unzip();
+        let (distances, places) = found.into_iter().unzip();
+        (Deviation { faces, ..Deviation::of(points, distances).with_sides(above) }, places)
+    }
 }
 
 /// How far samples of a network are from the triangles of a mesh, and how they face.

@@ -29,11 +29,6 @@ impl Component {
         Ok(Disk { mesh: build.mesh, outer: Vec::new(), holes, islands: Vec::new() })
     }
 
-    /// The share that fillings of all boundary loops would add to the area of the component.
-    pub(crate) fn gap_share(&self) -> f64 {
-        self.filling_shares().iter().sum()
-    }
-
     /// The least areas of fillings of the boundary loops, as shares of the area of the component, in
     /// descending order.
     pub(crate) fn filling_shares(&self) -> Vec<f64> {

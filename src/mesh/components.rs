@@ -63,6 +63,9 @@ pub struct Components {
 /// value's share of the triangles of the largest component.
 const DUST: (usize, f64) = (64, 0.01);
 
+/// A sample pays if it has fewer than one in so many triangles.
+const MANY: usize = 200;
+
 /// One component, extracted from the mesh.
 #[derive(Debug)]
 pub struct Component {
@@ -226,6 +229,21 @@ impl Components {
         let map = VertexMap::new(&self.build, &disk.mesh.points);
         raw.place_measured(&map, &mut disk.mesh.points);
         Cow::Owned(disk)
+    }
+
+    /// Some triangles of a component, spread evenly, each with its neighbours. `None` if the component has not many more
+    /// than `count` triangles.
+    pub(crate) fn sampled(&self, component: Choice, count: usize) -> Option<Mesh> {
+        let piece = self.pieces.get(component.number())?;
+        let step = piece.len() / count;
+        let around = |&t: &usize| {
+            let across = (3 * t..3 * t + 3).filter_map(|side| self.build.edges.across(side));
+            std::iter::once(t).chain(across.map(|side| side / 3))
+        };
+        let mut chosen: Vec<usize> = piece.iter().step_by(step.max(1)).flat_map(around).collect();
+        chosen.sort_unstable();
+        chosen.dedup();
+        (step >= MANY).then(|| small_part(&self.build, &chosen).mesh)
     }
 
     /// Extracts one component.

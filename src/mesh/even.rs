@@ -55,7 +55,8 @@ impl Patch {
         }
         let triangles = triangles.into_iter().map(|t| t.map(VertexId::from)).collect();
         let mesh = Mesh { points, triangles };
-        Patch { measured: self.measured, origin, ..Patch::closed(mesh) }
+        let stand_ins = self.stand_ins.clone();
+        Patch { measured: self.measured, origin, stand_ins, ..Patch::closed(mesh) }
     }
 
     /// For each vertex whether it was measured or lies in a measured triangle.

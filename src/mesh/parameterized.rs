@@ -1,8 +1,6 @@
 //! A patch with a parameter point for every vertex. The stage `parameterize` makes it; the stages
 //! that place knots, fit and trim take it.
 
-use std::borrow::Cow;
-
 use super::Patch;
 use crate::geometry::{Uv, VertexId};
 
@@ -33,15 +31,6 @@ impl Parameterized {
     /// The patch with all lengths multiplied by a factor. The parameters stay.
     pub fn scaled(self, factor: f64) -> Self {
         Parameterized { patch: self.patch.scaled(factor), ..self }
-    }
-
-    /// A parameter point near that of each vertex of the scan: its own, or that of the vertex that
-    /// stands for it.
-    pub(crate) fn scan_uv(&self) -> Cow<'_, [Uv]> {
-        match &self.patch.stand_ins {
-            Some(stand_ins) => stand_ins.of_scan(&self.uv).into(),
-            None => self.uv[..self.patch.measured].into(),
-        }
     }
 
     /// The numbers of the measured triangles.

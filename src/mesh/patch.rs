@@ -1,5 +1,6 @@
 //! A disk whose holes are filled. It remembers which triangles and vertices were measured.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::boundary::Loop;
@@ -52,6 +53,14 @@ impl Patch {
         match &self.stand_ins {
             Some(stand_ins) => stand_ins.counts().to_vec(),
             None => vec![1.0; self.measured],
+        }
+    }
+
+    /// A value of each measured vertex, for each vertex of the scan for which it stands.
+    pub(crate) fn of_scan<'a, T: Copy>(&self, values: &'a [T]) -> Cow<'a, [T]> {
+        match &self.stand_ins {
+            Some(stand_ins) => stand_ins.of_scan(values).into(),
+            None => values.into(),
         }
     }
 

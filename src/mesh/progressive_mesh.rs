@@ -17,6 +17,8 @@ pub(crate) struct ProgressiveMesh {
     pub remaining: Vec<u32>,
     /// The collapses of each pass. Collapses of one pass do not touch each other.
     passes: Vec<Vec<HalfEdgeCollapse>>,
+    /// Whether collapses are kept, so that they can be undone.
+    keeps: bool,
 }
 
 /// Which vertices are collapsed, and in which order.
@@ -44,7 +46,12 @@ impl ProgressiveMesh {
     /// The full mesh, without collapses.
     pub fn new(rings: OneRings) -> Self {
         let remaining = (0..rings.len() as u32).collect();
-        ProgressiveMesh { rings, remaining, passes: Vec::new() }
+        ProgressiveMesh { rings, remaining, passes: Vec::new(), keeps: true }
+    }
+
+    /// The same for collapses that are never undone.
+    pub(crate) fn for_good(rings: OneRings) -> Self {
+        ProgressiveMesh { keeps: false, ..ProgressiveMesh::new(rings) }
     }
 
     /// Collapses vertices until at most `target` are left or none can be collapsed. Vertices with a
@@ -63,7 +70,9 @@ impl ProgressiveMesh {
             let stays = |v: &u32| !self.rings.ring(*v).is_empty();
             self.remaining = self.remaining.par_iter().copied().filter(stays).collect();
             pass.iter().for_each(&mut show);
-            self.passes.push(pass);
+            if self.keeps {
+                self.passes.push(pass);
+            }
             if idle {
                 break;
             }

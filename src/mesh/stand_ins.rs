@@ -20,6 +20,11 @@ impl StandIns {
         &self.counts
     }
 
+    /// For each vertex of the scan the measured vertex that stands for it.
+    pub(crate) fn vertex_of(&self) -> &[u32] {
+        &self.vertex_of
+    }
+
     /// A value of each measured vertex, for each vertex of the scan for which it stands.
     pub(crate) fn of_scan<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.vertex_of.iter().map(|&v| values[v as usize]).collect()

@@ -6,7 +6,7 @@ use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
 use crate::spline::Surface;
 use crate::stages::adapt::Adapted;
-use crate::stages::{fill, fit, smooth};
+use crate::stages::{fill, fit, smooth, thin};
 
 /// What the conversion of one component did and how well. Only one face has the figures that are optional
 /// before `faces`, and only a network of faces has a list of them.
@@ -107,7 +107,7 @@ pub struct HoleFigures {
     pub cuts: usize,
 }
 
-/// What was thinned for the map and the fit.
+/// What was thinned for the smoothing and the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -271,7 +271,11 @@ impl BodyFigures {
             tolerance_met: body.tolerance_met(outliers),
             smooth: SmoothFigures::of(&body.smooth),
             fill: FillFigures { holes: filled_holes(&body.fill, &body.trimmed) },
-            thin: face.map(|f| ThinFigures { vertices: f.thin.vertices, removed: f.thin.removed }),
+            thin: match &body.fit {
+                BodyFit::Face(fit) => Some(ThinFigures::of(fit.thin)),
+                BodyFit::Network(fit) => Some(ThinFigures::of(fit.thin)),
+                BodyFit::Exact(_) => None,
+            },
             parameterize: face.map(map),
             fit: FitFigures::of(body),
             deviation: DeviationFigures::of(&body.deviation),
@@ -286,6 +290,12 @@ impl BodyFigures {
             },
             exact: body.exact().map(ExactFigures::of),
         }
+    }
+}
+
+impl ThinFigures {
+    fn of(thin::Report { vertices, removed, .. }: thin::Report) -> Self {
+        ThinFigures { vertices, removed }
     }
 }
 

@@ -46,10 +46,16 @@ impl EdgeTree {
     pub(crate) fn nearest(&self, p: Point) -> Option<(usize, f64, f64)> {
         // `nearest_neighbor` of rstar prunes by bounds that rounding may turn against the nearest
         // segment.
-        let side = self.sides.nearest_neighbor_iter(p.coords.into()).next()?;
-        let ([a, b], along) = (side.ends, side.ends[1] - side.ends[0]);
-        let share = (p - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
-        Some((side.number, share.clamp(0.0, 1.0), segment_distance(p, a, b)))
+        self.sides.nearest_neighbor_iter(p.coords.into()).next().map(|side| side.nearest(p))
+    }
+
+    /// The same if the distance is less than `reach`. This is much faster if no segment is so near.
+    pub(crate) fn nearer_than(&self, reach: f64, p: Point) -> Option<(usize, f64, f64)> {
+        let corner = |sign: f64| [0, 1, 2].map(|k| p[k] + sign * reach);
+        let around = AABB::from_corners(corner(-1.0), corner(1.0));
+        let near = self.sides.locate_in_envelope_intersecting(around);
+        let near = near.map(|side| side.nearest(p)).filter(|near| near.2 < reach);
+        near.min_by(|a, b| a.2.total_cmp(&b.2).then(a.0.cmp(&b.0)))
     }
 }
 
@@ -61,6 +67,13 @@ struct Side {
 }
 
 impl Side {
+    /// Its number, the position along it that is nearest to `p`, and the distance.
+    fn nearest(&self, p: Point) -> (usize, f64, f64) {
+        let ([a, b], along) = (self.ends, self.ends[1] - self.ends[0]);
+        let share = (p - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        (self.number, share.clamp(0.0, 1.0), segment_distance(p, a, b))
+    }
+
     fn distance(&self, p: Point) -> f64 {
         segment_distance(p, self.ends[0], self.ends[1])
     }

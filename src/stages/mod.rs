@@ -14,15 +14,15 @@ pub mod regions;
 pub mod seams;
 pub mod sharpen;
 
-// A mesh without noise and gaps.
+// A mesh without noise and gaps, of no more vertices than the noise lets tell.
+
+pub mod thin;
 
 pub mod smooth;
 
 pub mod fill;
 
 // One face: parameters for each vertex, then a surface.
-
-pub mod thin;
 
 pub mod parameterize;
 

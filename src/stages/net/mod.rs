@@ -215,8 +215,9 @@ struct FitTarget<'a> {
 impl<'a> FitTarget<'a> {
     fn new(scan: &'a Patch, options: &'a Options) -> Self {
         let on_measured = scan.on_measured().into_iter();
+        let counts = scan.counts();
         let weight = |(point, is_on_measured)| match is_on_measured {
-            true if point < scan.measured => 1.0,
+            true if point < scan.measured => counts[point],
             true => BETWEEN,
             false => FILLED,
         };
@@ -298,7 +299,7 @@ impl<'a> NetFit<'a> {
     }
 
     /// The points with foot points, block by block. Their places on a block have coordinates from 0 to its side.
-    /// The weight of a measured point is one, and that of the others is less.
+    /// The weight of a measured point is the number of points for which it stands, and that of the others is below one.
     pub fn samples(&self) -> Vec<Samples> {
         let mesh = &self.net.mesh;
         let mut samples = vec![Samples::default(); mesh.blocks()];

@@ -6,7 +6,7 @@
 //! and is as exact as one to the points. Neighbourhoods follow the mesh, so none reaches through a
 //! wall or across a gap to another sheet.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -15,11 +15,12 @@ use crate::mesh::mls::{REACH, Sample, smoothed_normals};
 use crate::mesh::{Mesh, VertexRings};
 
 /// One level of the hierarchy.
+#[derive(Default)]
 pub(crate) struct ClusterLevel {
     /// The clusters.
     pub samples: Vec<Sample>,
     /// The mean unit normals of the clusters.
-    pub normals: Vec<Vector>,
+    pub normals: Arc<Vec<Vector>>,
     /// The adjacency of the clusters: the neighbours of cluster i are at `starts[i]..starts[i + 1]`
     /// of `near`. Two clusters are neighbours if they share an edge of the mesh.
     starts: Vec<u32>,
@@ -67,7 +68,8 @@ impl ClusterLevel {
             near.extend(rings.neighbours(mesh, VertexId::from(v)).map(|w| w.0));
         };
         let (starts, near) = adjacency(mesh.points.len(), around);
-        ClusterLevel { samples, normals: smoothed_normals(mesh, rings), starts, near }
+        let normals = Arc::new(smoothed_normals(mesh, rings));
+        ClusterLevel { samples, normals, starts, near }
     }
 
     /// Joins the clusters of this level that lie within `radius` of a seed. Returns the coarser
@@ -97,7 +99,7 @@ impl ClusterLevel {
         };
         let (starts, near) = adjacency(of.len(), around);
         let mut clusters =
-            ClusterLevel { samples: samples.collect(), normals: Vec::new(), starts, near };
+            ClusterLevel { samples: samples.collect(), normals: Arc::default(), starts, near };
         // A few points left between clusters may have normals that are mostly noise.
         let normal = |c: usize| {
             let beside = || clusters.near(c).iter().map(|&b| b as usize);
@@ -107,7 +109,8 @@ impl ClusterLevel {
             let sum = if is_remainder { beside().map(|b| sums[b]).sum() } else { sums[c] };
             sum.try_normalize(ROUNDING).unwrap_or(self.normals[of[c][0] as usize])
         };
-        clusters.normals = (0..of.len()).into_par_iter().map(normal).collect();
+        let normals: Vec<Vector> = (0..of.len()).into_par_iter().map(normal).collect();
+        clusters.normals = Arc::new(normals);
         (clusters, cluster)
     }
 
@@ -219,7 +222,8 @@ mod tests {
         let mut normals = vec![Vector::z(); n * n];
         normals[5 * n + 6] = Vector::new(0.6, 0.0, -0.8);
         let samples = (0..n * n).map(|v| point(v).into()).collect();
-        let (coarse, of) = ClusterLevel { samples, normals, starts, near }.coarser(2.5);
+        let (coarse, of) =
+            ClusterLevel { samples, normals: Arc::new(normals), starts, near }.coarser(2.5);
         let own = of[5 * n + 6] as usize;
         assert_eq!(coarse.samples[own].weight, 1.0);
         assert!(coarse.normals[own].z > 0.5, "{}", coarse.normals[own]);

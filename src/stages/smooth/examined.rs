@@ -6,7 +6,7 @@ use super::levels::{self, SupportLevel};
 use super::support;
 use super::surface::MlsSurface;
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::VertexId;
 use crate::mesh::{Mesh, VertexRings};
 use crate::noise::NoiseField;
 use crate::progress::{self, Progress};
@@ -36,8 +36,8 @@ impl Examined {
         let levels = levels::levels(mesh, &self.rings, &self.noise, &self.left_out);
         let place =
             support::choose(mesh, &levels, &self.noise, &mut progress::step(progress, 0, 2))?;
-        let finest = levels[0].clusters.clone();
-        MlsSurface::new(finest, levels, place, &mut progress::step(progress, 1, 2))
+        let normals = levels[0].clusters.normals.clone();
+        MlsSurface::new(normals, levels, place, &mut progress::step(progress, 1, 2))
     }
 
     /// The surface with one support everywhere.
@@ -46,7 +46,7 @@ impl Examined {
         let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];
         let none = &mut progress::ignore;
-        let surface = MlsSurface::new(finest.clusters.clone(), vec![level], place, none)?;
+        let surface = MlsSurface::new(finest.clusters.normals.clone(), vec![level], place, none)?;
         if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
             return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });
         }
@@ -54,30 +54,26 @@ impl Examined {
     }
 
     /// The vertices at which a surface misses the shape, as along a sharp edge: it is farther from
-    /// them and their neighbours than noise explains. A narrow support follows a part of the noise, so
+    /// them and their neighbours than noise explains. `offsets` are its distances along the normal. A narrow support follows a part of the noise, so
     /// the usual distances of a level count where these are smaller. Outliers say nothing.
-    pub fn shape(
-        &self,
-        mesh: &Mesh,
-        surface: &MlsSurface,
-        (feet, normals): (&[Point], &[Vector]),
-    ) -> Vec<bool> {
-        let square = |v: usize| {
-            let off = (feet[v] - mesh.points[v]).dot(&normals[v]);
-            if self.left_out[v] { 0.0 } else { (off / self.noise.at(VertexId::from(v))).powi(2) }
+    pub fn shape(&self, mesh: &Mesh, surface: &MlsSurface, offsets: &[f64]) -> Vec<bool> {
+        let count = offsets.len();
+        let relative = |v: usize| {
+            let noise = self.noise.at(VertexId::from(v));
+            if self.left_out[v] { 0.0 } else { (offsets[v] / noise).powi(2) }
         };
-        let mut squares: Vec<f64> = (0..feet.len()).into_par_iter().map(square).collect();
+        let mut squares: Vec<f64> = (0..count).into_par_iter().map(relative).collect();
         for vertices in surface.by_level() {
             let mut all: Vec<f64> = vertices.iter().map(|&v| squares[v]).collect();
             let usual = quantile(&mut all, CALM).unwrap_or(0.0) / absolute_at(CALM).powi(2);
             vertices.iter().for_each(|&v| squares[v] /= usual.clamp(f64::MIN_POSITIVE, 1.0));
         }
-        let limit = outlying(feet.len());
+        let limit = outlying(count);
         let is_missed = |v: usize| {
             let around = self.rings.neighbours(mesh, VertexId::from(v)).map(|w| squares[w.index()]);
             let (sum, count) = around.fold((squares[v], 1.0), |(sum, n), s| (sum + s, n + 1.0));
             sum / count > self.noise.mean_square_around(count).at(limit)
         };
-        (0..feet.len()).into_par_iter().map(is_missed).collect()
+        (0..count).into_par_iter().map(is_missed).collect()
     }
 }

@@ -90,6 +90,18 @@ impl SupportLevel {
         SupportLevel { h, clusters: Arc::new(clusters), cluster: Arc::new(cluster) }
     }
 
+    /// Forgets the clusters of a level that no vertex uses.
+    pub(crate) fn forget(&mut self) {
+        (self.clusters, self.cluster) = (Arc::default(), Arc::default());
+    }
+
+    /// The level of some of its vertices.
+    pub(crate) fn of_vertices(&self, left: &[u32]) -> SupportLevel {
+        let of = |v: &u32| self.cluster.get(*v as usize).copied();
+        let cluster = left.iter().filter_map(of).collect();
+        SupportLevel { h: self.h, clusters: self.clusters.clone(), cluster: Arc::new(cluster) }
+    }
+
     /// The mean number of samples within a radius of a sample.
     fn mean_neighbours(&self, radius: f64) -> f64 {
         let (mut scratch, count) = (Neighbourhood::default(), self.clusters.samples.len());

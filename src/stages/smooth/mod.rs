@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use crate::error::{Result, of};
 use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
-use crate::mesh::{Disk, Mesh, boundary};
+use crate::mesh::{Disk, boundary};
 use crate::progress::{self, Progress};
 use crate::rules;
 use crate::statistics::median;
@@ -152,6 +152,20 @@ pub fn smooth_with(
     options: &Options,
     progress: &mut Progress,
 ) -> Result<(Disk, Report)> {
+    let examined = examine(disk, options, &mut progress::step(progress, 0, 2))?;
+    examined.smoothed(&mut progress::step(progress, 1, 2))
+}
+
+/// Measures the noise of a disk and finds the surface that its vertices sample. No vertex moves yet, so that only
+/// some of them need to be smoothed ([`Examination::smoothed_part`]).
+///
+/// # Errors
+/// Those of [`smooth`], and any error that `progress` returns.
+pub fn examine<'a>(
+    disk: &'a Disk,
+    options: &'a Options,
+    progress: &mut Progress,
+) -> Result<Examination<'a>> {
     options.check()?;
     let examined = Examined::new(&disk.mesh);
     let mut report = Report {
@@ -161,68 +175,194 @@ pub fn smooth_with(
         outliers: examined.left_out.iter().filter(|out| **out).count(),
         ..Report::default()
     };
-    let mut out = disk.clone();
-    if options.support == Support::Auto && !examined.noise.is_visible {
-        report.h = levels::shortest(&disk.mesh);
-        report.supports = vec![0.0; disk.mesh.points.len()];
-        let corners =
-            disk.loops().map(|ring| (ring, kept_corners(disk, &out.mesh, ring, options, report.h)));
-        report.corners =
-            corners.flat_map(|(ring, kept)| kept.into_iter().map(|i| ring[i])).collect();
-        return Ok((out, report));
-    }
-    let mut surface = match options.support {
-        Support::Auto => examined.surface(&disk.mesh, &mut progress::step(progress, 0, 2))?,
-        Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
-        Support::Off => return Ok((out, report)),
+    let surface = match options.support {
+        Support::Auto if !examined.noise.is_visible => {
+            report.h = levels::shortest(&disk.mesh);
+            report.supports = vec![0.0; disk.mesh.points.len()];
+            None
+        }
+        Support::Auto => Some(examined.surface(&disk.mesh, progress)?),
+        Support::Fixed(h) => Some(examined.surface_of(&disk.mesh, h)?),
+        Support::Off => None,
     };
-    let onto = &mut progress::step(progress, 1, 2);
-    let (mut projected, normals) = surface.feet(&disk.mesh, onto)?;
-    if options.support == Support::Auto {
-        surface.stays = examined.shape(&disk.mesh, &surface, (&projected, &normals));
-        keep(&surface.stays, &disk.mesh.points, &mut projected);
+    if let Some(surface) = &surface {
+        report.h = median(&mut surface.supports().collect::<Vec<f64>>()).unwrap_or(0.0);
     }
-    report.h = median(&mut surface.supports().collect::<Vec<f64>>()).unwrap_or(0.0);
-    report.supports = surface.smoothed_supports().collect();
-    out.mesh.points.clone_from(&projected);
-    let noise: Vec<f64> = (0..disk.mesh.points.len())
-        .map(|v| if surface.stays[v] { 0.0 } else { examined.noise.at(VertexId::from(v)) })
-        .collect();
-    let rings: Vec<&boundary::Loop> = disk.loops().collect();
+    Ok(Examination { disk, options, report, examined, surface })
+}
+
+/// A disk whose noise is known, and the surface that its vertices sample.
+pub struct Examination<'a> {
+    disk: &'a Disk,
+    options: &'a Options,
+    report: Report,
+    examined: Examined,
+    /// `None` if no vertex moves.
+    surface: Option<MlsSurface>,
+}
+
+/// Where the vertices of a disk will be about, and how much of what is between them smoothing leaves.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Outlook {
+    /// A place near the smoothed place of each vertex.
+    pub places: Vec<Point>,
+    /// The support at each vertex, or 0 where its residual may be shape.
+    pub supports: Vec<f64>,
+}
+
+impl Examination<'_> {
+    /// The standard deviation of the noise, as [`Report::noise`] has it.
+    pub fn noise(&self) -> f64 {
+        self.report.noise
+    }
+
+    /// Whether noise is visible, as [`Report::is_noisy`] says.
+    pub fn is_noisy(&self) -> bool {
+        self.report.is_noisy
+    }
+
+    /// Where the vertices will be about. `None` if they do not move.
+    pub fn outlook(&self) -> Option<Outlook> {
+        let (surface, mesh) = (self.surface.as_ref()?, &self.disk.mesh);
+        let (mut places, offsets) = surface.places_nearby(mesh);
+        let mut supports: Vec<f64> = surface.supports().collect();
+        if self.options.support == Support::Auto {
+            let stays = self.examined.shape(mesh, surface, &offsets);
+            keep(&stays, &mesh.points, &mut places);
+            let unmoved = supports.iter_mut().zip(stays).filter(|(_, stays)| *stays);
+            unmoved.for_each(|(h, _)| *h = 0.0);
+        }
+        Some(Outlook { places, supports })
+    }
+
+    /// Smooths the disk. The topology does not change.
+    ///
+    /// # Errors
+    /// Any error that `progress` returns.
+    pub fn smoothed(self, progress: &mut Progress) -> Result<(Disk, Report)> {
+        let Examination { disk, options, mut report, examined, surface } = self;
+        let Some(mut surface) = surface else {
+            if options.support == Support::Auto {
+                report.corners = all_corners(disk, options, report.h);
+            }
+            return Ok((disk.clone(), report));
+        };
+        let (mut projected, normals) = surface.feet(&disk.mesh, progress)?;
+        if options.support == Support::Auto {
+            let offset = |v: usize| (projected[v] - disk.mesh.points[v]).dot(&normals[v]);
+            let offsets: Vec<f64> = (0..projected.len()).into_par_iter().map(offset).collect();
+            surface.stays = examined.shape(&disk.mesh, &surface, &offsets);
+            keep(&surface.stays, &disk.mesh.points, &mut projected);
+        }
+        report.supports = surface.smoothed_supports().collect();
+        let noise = |v: usize| examined.noise.at(VertexId::from(v));
+        let noise: Vec<f64> = (0..disk.mesh.points.len()).map(noise).collect();
+        Ok(placed(disk.clone(), options, report, (&surface, &noise), (projected, normals)))
+    }
+
+    /// Smooths a disk of some of the vertices: `left` has their numbers, in the order of the `part`. All vertices
+    /// count for the surface. `outlook` is that of all vertices.
+    ///
+    /// # Errors
+    /// Any error that `progress` returns.
+    pub fn smoothed_part(
+        self,
+        part: Disk,
+        left: &[u32],
+        outlook: Outlook,
+        progress: &mut Progress,
+    ) -> Result<(Disk, Report)> {
+        let Examination { options, mut report, examined, surface, .. } = self;
+        let Some(mut surface) = surface else { return Ok((part, report)) };
+        surface.stays = outlook.supports.iter().map(|h| *h == 0.0).collect();
+        drop(outlook);
+        let noise = left.iter().map(|&v| examined.noise.at(VertexId(v)));
+        let noise: Vec<f64> = noise.collect();
+        drop(examined);
+        let surface = surface.of_vertices(left);
+        let (mut projected, normals) = surface.feet(&part.mesh, progress)?;
+        keep(&surface.stays, &part.mesh.points, &mut projected);
+        report.supports = surface.smoothed_supports().collect();
+        Ok(placed(part, options, report, (&surface, &noise), (projected, normals)))
+    }
+
+    /// The means of the points that each vertex of a part stands for, as they were measured: for each of the `count`
+    /// vertices its place in the outlook, and the mean offset of these points from theirs. Errors are independent, and
+    /// smaller than those of single points. Outliers do not count.
+    pub fn means(&self, outlook: &Outlook, left: &[u32], vertex_of: &[u32]) -> Vec<Point> {
+        let points = &self.disk.mesh.points;
+        let mut sums = vec![(Vector::zeros(), 0.0); left.len()];
+        for (v, &of) in vertex_of.iter().enumerate().filter(|(v, _)| !self.examined.left_out[*v]) {
+            let sum = &mut sums[of as usize];
+            sum.0 += points[v] - outlook.places[v];
+            sum.1 += 1.0;
+        }
+        let mean = |(&v, (sum, count)): (&u32, (Vector, f64))| match count > 0.0 {
+            true => outlook.places[v as usize] + sum / count,
+            false => points[v as usize],
+        };
+        left.iter().zip(sums).map(mean).collect()
+    }
+}
+
+/// The corners of all loops of a disk that does not move.
+fn all_corners(disk: &Disk, options: &Options, h: f64) -> Vec<VertexId> {
+    let of_ring = |ring: &boundary::Loop| {
+        let kept = kept_corners((disk, &disk.mesh.points), ring, options, h);
+        kept.into_iter().map(|i| ring[i]).collect::<Vec<_>>()
+    };
+    disk.loops().flat_map(of_ring).collect()
+}
+
+/// Puts the vertices of a disk at their projected places, with smoothed loops. `noise` has the standard deviation at
+/// each vertex.
+fn placed(
+    disk: Disk,
+    options: &Options,
+    mut report: Report,
+    (surface, noise): (&MlsSurface, &[f64]),
+    (projected, normals): (Vec<Point>, Vec<Vector>),
+) -> (Disk, Report) {
+    let mut out = disk;
+    let measured = std::mem::replace(&mut out.mesh.points, projected.clone());
+    let noise: Vec<f64> =
+        noise.iter().zip(&surface.stays).map(|(&n, stays)| if *stays { 0.0 } else { n }).collect();
+    let rings: Vec<&boundary::Loop> = out.loops().collect();
     // The loops share no vertices.
     let smoothed = rings.par_iter().map(|ring| {
-        let kept = kept_corners(disk, &out.mesh, ring, options, report.h);
-        let feet = smoothed_loop(ring, &kept, &projected, &normals, &noise, &surface);
-        (kept, feet)
+        let kept = kept_corners((&out, &measured), ring, options, report.h);
+        let feet = smoothed_loop(ring, &kept, &projected, &normals, &noise, surface);
+        let feet = ring.iter().copied().zip(feet).collect();
+        (kept.into_iter().map(|i| ring[i]).collect(), feet)
     });
-    let smoothed: Vec<(Vec<usize>, Vec<Point>)> = smoothed.collect();
-    for (ring, (kept, feet)) in rings.into_iter().zip(smoothed) {
-        report.corners.extend(kept.into_iter().map(|i| ring[i]));
-        ring.iter().zip(feet).for_each(|(v, foot)| out.mesh.points[v.index()] = foot);
+    let smoothed: Vec<(Vec<VertexId>, Vec<(VertexId, Point)>)> = smoothed.collect();
+    for (kept, feet) in smoothed {
+        report.corners.extend(kept);
+        feet.into_iter().for_each(|(v, foot)| out.mesh.points[v.index()] = foot);
     }
     let named = matches!(options.corners, Corners::At(_));
     let upright = unfold::UnfoldReference { projected, normals, corners: &report.corners, named };
-    unfold::unfold(&mut out, &surface, upright);
-    let pairs = out.mesh.points.par_iter().zip(&disk.mesh.points);
+    unfold::unfold(&mut out, surface, upright);
+    let pairs = out.mesh.points.par_iter().zip(&measured);
     let moved: Vec<f64> = pairs.map(|(p, q)| (p - q).norm()).collect();
     report.moved_max = moved.iter().copied().fold(0.0, f64::max);
     report.moved_rms = root_mean_square(moved.into_iter());
-    Ok((out, report))
+    (out, report)
 }
 
-/// The positions in a loop of the corners that are kept, where `mesh` has the points of the loop on
-/// the surface with support `h`.
+/// The positions in a loop of the corners that are kept. `disk` has its points on the surface with support `h`, and
+/// `measured` where they were measured.
 fn kept_corners(
-    disk: &Disk,
-    mesh: &Mesh,
+    (disk, measured): (&Disk, &[Point]),
     ring: &boundary::Loop,
     options: &Options,
     h: f64,
 ) -> Vec<usize> {
     match &options.corners {
-        Corners::Auto => corners::find(mesh, ring, 2.0 * h),
+        Corners::Auto => corners::find(&disk.mesh, ring, 2.0 * h),
         Corners::None => Vec::new(),
-        Corners::At(points) => nearest_positions(disk, ring, points),
+        Corners::At(points) => nearest_positions((disk, measured), ring, points),
     }
 }
 
@@ -263,14 +403,18 @@ fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
 
 /// The positions in `ring` of the corners that the user gave. Each corner belongs to the loop that
 /// has the vertex nearest to it.
-fn nearest_positions(disk: &Disk, ring: &[VertexId], corners: &[Point]) -> Vec<usize> {
+fn nearest_positions(
+    (disk, measured): (&Disk, &[Point]),
+    ring: &[VertexId],
+    corners: &[Point],
+) -> Vec<usize> {
     let nearest_in = |ring: &[VertexId], p: &Point| {
-        let distance = |v: &VertexId| (disk.mesh.point(*v) - p).norm_squared();
+        let distance = |v: &VertexId| (measured[v.index()] - p).norm_squared();
         (0..ring.len()).min_by(|&i, &j| distance(&ring[i]).total_cmp(&distance(&ring[j])))
     };
     let mut kept = Vec::new();
     for p in corners {
-        let distance = |r: &boundary::Loop, i: usize| (disk.mesh.point(r[i]) - p).norm_squared();
+        let distance = |r: &boundary::Loop, i: usize| (measured[r[i].index()] - p).norm_squared();
         let on_each = disk.loops().filter_map(|r| nearest_in(r, p).map(|i| (r, i)));
         let best = on_each.min_by(|x, y| distance(x.0, x.1).total_cmp(&distance(y.0, y.1)));
         kept.extend(best.filter(|(r, _)| r.as_slice() == ring).map(|(_, i)| i));

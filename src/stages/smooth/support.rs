@@ -18,12 +18,9 @@ use crate::noise::NoiseField;
 use crate::progress::Progress;
 use crate::statistics::outlying;
 
-/// The number of vertices for each sampled place.
-const VERTICES_PER_PLACE: usize = 200;
-
-/// The smallest and the largest number of sampled places. How often noise and curvature change does
-/// not depend on the density of the scan.
-const PLACE_COUNT: [usize; 2] = [2_000, 10_000];
+/// The number of sampled places at least. How often noise and curvature change does not depend on the density of the
+/// scan.
+const PLACE_COUNT: usize = 2_000;
 
 /// The factor by which the differences that noise explains are enlarged, because they fluctuate.
 const NOISE_MARGIN: f64 = 1.3;
@@ -40,7 +37,7 @@ pub(crate) fn choose(
     noise: &NoiseField,
     progress: &mut Progress,
 ) -> Result<Vec<f32>> {
-    let sampling = sampling(mesh.points.len(), levels);
+    let sampling = sampling(levels);
     let places = first_vertices(sampling);
     let scratch_pool = ScratchPool::default();
     let clear = outlying(places.len());
@@ -61,9 +58,8 @@ pub(crate) fn choose(
 }
 
 /// The level that has about as many clusters as places are wanted.
-fn sampling(vertices: usize, levels: &[SupportLevel]) -> &SupportLevel {
-    let wanted = (vertices / VERTICES_PER_PLACE).clamp(PLACE_COUNT[0], PLACE_COUNT[1]);
-    let enough = levels.iter().rev().find(|level| level.clusters.samples.len() >= wanted);
+fn sampling(levels: &[SupportLevel]) -> &SupportLevel {
+    let enough = levels.iter().rev().find(|level| level.clusters.samples.len() >= PLACE_COUNT);
     enough.unwrap_or(&levels[0])
 }
 

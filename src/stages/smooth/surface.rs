@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clusters::{ClusterLevel, ScratchPool};
+use super::clusters::ScratchPool;
 use super::levels::SupportLevel;
 use crate::error::Result;
 use crate::geometry::{BLOCK, NEGLIGIBLE, NONE, Point, Vector, VertexId};
@@ -20,8 +20,8 @@ use crate::progress::Progress;
 /// The MLS surface of a scan.
 pub(crate) struct MlsSurface {
     levels: Vec<SupportLevel>,
-    /// The vertices of the scan.
-    finest: Arc<ClusterLevel>,
+    /// The normals of the scan at the vertices, averaged over neighbouring points.
+    scan_normals: Arc<Vec<Vector>>,
     /// The level of each vertex. A fraction means a blend of two adjacent levels.
     place: Vec<f32>,
     /// Whether each vertex stays where it was measured, because the surface misses the shape there.
@@ -40,18 +40,54 @@ impl MlsSurface {
     /// Fits the polynomials that the vertices need. `place` is the level of each vertex. All vertices
     /// move to the surface.
     pub fn new(
-        finest: Arc<ClusterLevel>,
-        levels: Vec<SupportLevel>,
+        scan_normals: Arc<Vec<Vector>>,
+        mut levels: Vec<SupportLevel>,
         place: Vec<f32>,
         progress: &mut Progress,
     ) -> Result<Self> {
         let mut fits = Vec::with_capacity(levels.len());
-        for (k, level) in levels.iter().enumerate() {
-            progress(k as f64 / levels.len() as f64)?;
-            fits.push(Fits::new(level, k, &place));
+        let count = levels.len();
+        for (k, level) in levels.iter_mut().enumerate() {
+            progress(k as f64 / count as f64)?;
+            let needed = needed(level, k, &place);
+            if needed.is_empty() {
+                level.forget();
+            }
+            fits.push(Fits::new(level, &needed));
         }
         let stays = vec![false; place.len()];
-        Ok(MlsSurface { levels, finest, place, stays, fits })
+        Ok(MlsSurface { levels, scan_normals, place, stays, fits })
+    }
+
+    /// The same surface for some of its vertices.
+    pub(crate) fn of_vertices(self, left: &[u32]) -> Self {
+        let normals = left.iter().map(|&v| self.scan_normals[v as usize]).collect();
+        MlsSurface {
+            levels: self.levels.iter().map(|level| level.of_vertices(left)).collect(),
+            scan_normals: Arc::new(normals),
+            place: left.iter().map(|&v| self.place[v as usize]).collect(),
+            stays: left.iter().map(|&v| self.stays[v as usize]).collect(),
+            fits: self.fits,
+        }
+    }
+
+    /// Places near the foot points of all vertices: those on the polynomials of their own clusters alone. They are
+    /// much nearer to the surface than the noise, and take a tenth of the time. The second value is how far
+    /// each vertex moves there, along the normal.
+    pub(crate) fn places_nearby(&self, mesh: &Mesh) -> (Vec<Point>, Vec<f64>) {
+        let foot = |(v, &p): (usize, &Point)| {
+            let (k, share) = split(self.place[v]);
+            let own = |k: usize| {
+                let level = self.levels.get(k)?;
+                self.fits[k].get(*level.cluster.get(v)? as usize)
+            };
+            let (nearer, other) = if share < 0.5 { (k, k + 1) } else { (k + 1, k) };
+            own(nearer).or_else(|| own(other)).map_or((p, 0.0), |fit| {
+                let (foot, normal) = fit.at(p);
+                (foot, (foot - p).dot(&normal))
+            })
+        };
+        mesh.points.par_iter().enumerate().map(foot).unzip()
     }
 
     /// The foot points and normals of all vertices. A vertex with too few neighbours keeps its
@@ -109,7 +145,7 @@ impl MlsSurface {
 
     /// The normal of the scan at a vertex, averaged over neighbouring points.
     fn scan_normal(&self, v: VertexId) -> Vector {
-        self.finest.normals[v.index()]
+        self.scan_normals[v.index()]
     }
 
     /// Whether a vertex does not move.
@@ -141,7 +177,7 @@ impl MlsSurface {
 
     fn project_on(&self, k: usize, v: VertexId, p: Point) -> Option<Projection> {
         let level = &self.levels[k];
-        let own = level.cluster[v.index()] as usize;
+        let own = *level.cluster.get(v.index())? as usize;
         let (mut weight, mut point, mut normal) = (0.0, Vector::zeros(), Vector::zeros());
         let beside = level.clusters.near(own).iter().map(|&c| c as usize);
         for c in std::iter::once(own).chain(beside) {
@@ -163,8 +199,8 @@ fn split(place: f32) -> (usize, f64) {
 }
 
 impl Fits {
-    fn new(level: &SupportLevel, k: usize, place: &[f32]) -> Self {
-        let needed = needed(level, k, place);
+    /// The fits of the clusters that are `needed`.
+    fn new(level: &SupportLevel, needed: &[u32]) -> Self {
         let scratch_pool = ScratchPool::default();
         let fit = |&c: &u32| scratch_pool.with(|scratch| level.fit(c as usize, scratch));
         let fits: Vec<Option<Polynomial>> = needed.par_iter().map(fit).collect();

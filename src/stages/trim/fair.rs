@@ -37,15 +37,15 @@ const MAX_FACTOR: f64 = 9.0;
 const MAX_WEIGHT: f64 = 1e3;
 
 impl LoopFit<'_> {
-    /// The largest distance of the curve between two parameters from the rim, as a share of the
-    /// room at the same place.
-    pub(super) fn share_of_room(&self, a: f64, b: f64) -> f64 {
-        self.places(a, b).map(|(share, _)| share).fold(0.0, f64::max)
+    /// Whether the curve between two parameters leaves its room around the rim.
+    pub(super) fn leaves_room(&self, a: f64, b: f64) -> bool {
+        self.places(a, b, 1.0).any(|(share, _)| share > 1.0)
     }
 
     /// Points of the curve between two parameters. Each item has the distance of the point from
-    /// the rim, as a share of its room, and the vertex before it.
-    fn places(&self, a: f64, b: f64) -> impl Iterator<Item = (f64, usize)> + '_ {
+    /// the rim, as a share of its room, and the vertex before it. A share that is not above `enough` may be larger
+    /// than it is, but not above `enough`. It is found sooner, because the nearest edge is mostly the first one.
+    fn places(&self, a: f64, b: f64, enough: f64) -> impl Iterator<Item = (f64, usize)> + '_ {
         let n = self.polygon.uv.len();
         let count = (PLACES_AN_EDGE * (b - a) * n as f64).ceil().max(2.0) as usize;
         let place = move |i: usize| a + (b - a) * (i as f64 + 0.5) / count as f64;
@@ -56,10 +56,18 @@ impl LoopFit<'_> {
                 let off = self.polygon.uv[i % n].coords - at;
                 Point::from(jet.su * off.x + jet.sv * off.y)
             };
-            let sides = (0..=2 * SIDES).map(|i| k + n * SIDES + i - SIDES);
-            let off = sides.map(|i| segment_distance(Point::origin(), corner(i), corner(i + 1)));
             let room = self.room[k].max(self.room[(k + 1) % n]);
-            (off.fold(f64::INFINITY, f64::min) / room, k)
+            let share =
+                |i: usize| segment_distance(Point::origin(), corner(i), corner(i + 1)) / room;
+            let own = k + n * SIDES;
+            let mut least = share(own);
+            for i in 1..=SIDES {
+                if least <= enough {
+                    break;
+                }
+                least = least.min(share(own - i)).min(share(own + i));
+            }
+            (least, k)
         })
     }
 
@@ -69,7 +77,7 @@ impl LoopFit<'_> {
         let mut room = self.room.clone();
         for i in self.spans_beyond(0.0) {
             let (a, b) = self.span(i);
-            let far = self.places(a, b).filter(|(share, _)| *share > 1.0);
+            let far = self.places(a, b, 1.0).filter(|(share, _)| *share > 1.0);
             far.for_each(|(share, k)| room[k] = room[k].max(share * self.room[k]));
         }
         (0..room.len()).for_each(|k| room[k] = room[k].max(self.distance(k)));

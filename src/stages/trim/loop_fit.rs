@@ -223,7 +223,7 @@ impl<'a> LoopFit<'a> {
             let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
             self.is_longer(i, least)
                 && (held.any(|k| self.distance_if_above(k, self.room[k]) > self.room[k])
-                    || self.is_fair && self.share_of_room(a, b) > 1.0)
+                    || self.is_fair && self.leaves_room(a, b))
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
