@@ -235,7 +235,7 @@ const JOINT: [(&str, f64, [f64; 3]); 3] = [
         [200.0, 160.0, 60.0],
     ),
     // A hexagon of 10 across without a bore of 3. Flat sides stay flat.
-    ("nut", 5.0 * (50.0 * 3.0 / 3.0_f64.sqrt() - 9.0 * std::f64::consts::PI), [90.0, 90.0, 96.0]),
+    ("nut", 5.0 * (86.602_540_378_443_87 - 9.0 * std::f64::consts::PI), [90.0, 90.0, 96.0]),
 ];
 
 /// Asserts that a file has the pipe joint, with z up, and returns how many products it has.

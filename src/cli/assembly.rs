@@ -107,9 +107,9 @@ fn write_reports(
 
 /// Says so if an IGES file has the faces of parts, but not what joins them.
 fn loose_surfaces(args: &Convert, made: &AssemblyConversion) -> Option<String> {
-    let parts = made.assembly.iter().flat_map(|assembly| &assembly.parts);
+    let mut parts = made.assembly.iter().flat_map(|assembly| &assembly.parts);
     let faces = parts.clone().map(|part| part.brep.faces.len()).sum();
-    let are_joined = parts.into_iter().any(|part| part.brep.faces.len() > 1);
+    let are_joined = parts.any(|part| part.brep.faces.len() > 1);
     convert::loose_faces(args, are_joined, faces)
 }
 

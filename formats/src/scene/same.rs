@@ -14,7 +14,7 @@ use crate::cad::affine::{cross, dot, unit};
 /// from a line. So it is off by less than [`FIRST`] roundings at any point.
 const LEVER: f64 = 0.25;
 
-/// How far a point may be from its place by the first rotation, in roundings: two errors of √3 roundings at points of the
+/// How far a point may be from its place by the first rotation, in steps of the rounding: two errors of √3 roundings at points of the
 /// least lever for each of two angles, and the error of the point and of the centroids.
 const FIRST: f64 = 36.0;
 
@@ -22,10 +22,25 @@ const FIRST: f64 = 36.0;
 /// which most fit.
 const MOST_TRIES: usize = 4096;
 
+/// The largest step as a share of the radius of a mesh. The numbers of a design may be whole without being rounded, and
+/// then parts that differ by a step are different parts.
+const LARGEST_STEP: f64 = 1e-4;
+
+/// The largest distance of two rounded numbers from each other in steps: half a step of one, and half a step along each
+/// axis of the other one, which is turned.
+const WORST: f64 = 1.37; // (1 + √3) / 2
+
+/// The root mean square of so many such distances in steps: each of the two roundings has 1/√12. It is in three of its
+/// standard deviations: those of the mean of squares are √1.4 / √count, for the sum of two even distributions.
+fn usual(count: f64) -> f64 {
+    const MEAN: f64 = 1.0 / 6.0;
+    (MEAN * (1.0 + 3.0 * (1.4 / count).sqrt())).sqrt()
+}
+
 /// Meshes that were seen.
 pub(super) struct KnownMeshes {
     rounding: f64,
-    /// By the counts of points and polygons, and by the radius in steps of [`Self::step`].
+    /// By the counts of points and polygons, and by the logarithm of the radius.
     by_size: BTreeMap<([usize; 2], i64), Vec<(MeshId, MeshInvariants)>>,
 }
 
@@ -48,18 +63,20 @@ impl KnownMeshes {
         KnownMeshes { rounding, by_size: BTreeMap::new() }
     }
 
-    /// Radii of the same mesh differ by less.
-    fn step(&self) -> f64 {
-        4.0 * self.rounding
+    /// The step between the numbers of a mesh.
+    fn step(&self, shape: &MeshInvariants) -> f64 {
+        self.rounding.min(LARGEST_STEP * shape.radius())
     }
 
-    fn key(&self, shape: &MeshInvariants) -> ([usize; 2], i64) {
+    /// The radii of the same mesh differ by less than four steps, so they are in the same bin or in neighbours.
+    fn key(shape: &MeshInvariants) -> ([usize; 2], i64) {
+        let bin = shape.radius().max(f64::MIN_POSITIVE).ln() / (4.0 * LARGEST_STEP);
         // A quotient beyond its range becomes the end of it.
-        ([shape.points.len(), shape.polygons.len()], (shape.radius() / self.step()).floor() as i64)
+        ([shape.points.len(), shape.polygons.len()], bin.floor() as i64)
     }
 
     pub(super) fn add(&mut self, id: MeshId, shape: MeshInvariants) {
-        self.by_size.entry(self.key(&shape)).or_default().push((id, shape));
+        self.by_size.entry(Self::key(&shape)).or_default().push((id, shape));
     }
 
     /// The known mesh that a motion takes to this one, with the motion, or what has to be known of this one.
@@ -69,13 +86,13 @@ impl KnownMeshes {
         mesh: &SceneMesh,
     ) -> Result<(MeshId, Placement), MeshInvariants> {
         let shape = MeshInvariants::of(mesh);
-        let (counts, bin) = self.key(&shape);
+        let ((counts, bin), step) = (Self::key(&shape), self.step(&shape));
         for bin in [bin, bin.saturating_sub(1), bin.saturating_add(1)] {
             for (id, known) in self.by_size.get(&(counts, bin)).into_iter().flatten() {
                 // A place can have a colour of its own, but it cannot take one away.
                 let has_colour = |mesh: &SceneMesh| mesh.colour.is_some();
                 if has_colour(&meshes[id.0]) == has_colour(mesh)
-                    && let Some(motion) = known.motion_to(&shape, self.rounding)
+                    && let Some(motion) = known.motion_to(&shape, step)
                 {
                     return Ok((*id, motion));
                 }
@@ -135,11 +152,11 @@ impl MeshInvariants {
     fn motion_to(&self, other: &MeshInvariants, rounding: f64) -> Option<Placement> {
         let within = 4.0 * rounding;
         // All radii must agree, which most other meshes fail.
-        let radii = self.by_radius.iter().zip(&other.by_radius);
+        let mut radii = self.by_radius.iter().zip(&other.by_radius);
         let differ = |(&a, &b): (&u32, &u32)| {
             (self.radii[a as usize] - other.radii[b as usize]).abs() > within
         };
-        if self.points.len() != other.points.len() || radii.into_iter().any(differ) {
+        if self.points.len() != other.points.len() || radii.any(differ) {
             return None;
         }
         let grid = PointCells::of(&other.points, FIRST * rounding);
@@ -200,8 +217,8 @@ impl MeshInvariants {
     }
 
     /// The motion of least squares (Kabsch, 1976) that takes each point to that of the other mesh in an order. `None`
-    /// unless each vertex agrees within twice the rounding, which both have, and all polygons and their colours are
-    /// the same.
+    /// unless each vertex agrees within the rounding, which both have, the root mean square is that of rounding, and
+    /// all polygons and their colours are the same.
     fn fitted(&self, other: &MeshInvariants, order: &[u32], rounding: f64) -> Option<Placement> {
         let mut covariance = [[0.0; 3]; 3];
         for (p, &q) in (0..).zip(order) {
@@ -214,11 +231,16 @@ impl MeshInvariants {
         let turned = Placement::linear(axes).apply(self.centroid);
         let translation = [0, 1, 2].map(|i| other.centroid[i] - turned[i]);
         let motion = Placement { axes, translation };
-        let is_near = |(p, &q): (&[f64; 3], &u32)| {
+        let mut squares = 0.0;
+        for (p, &q) in self.points.iter().zip(order) {
             let off = minus(motion.apply(*p), other.points[q as usize]);
-            off.iter().all(|x| x.abs() <= 2.0 * rounding)
-        };
-        if !self.points.iter().zip(order).all(is_near) {
+            if off.iter().any(|x| x.abs() > WORST * rounding) {
+                return None;
+            }
+            squares += dot(off, off);
+        }
+        let count = (3 * self.points.len()).max(1) as f64;
+        if (squares / count).sqrt() > usual(count) * rounding {
             return None;
         }
         let moved = |(corners, colour): &(Vec<u32>, Option<[u8; 3]>)| {
@@ -366,13 +388,24 @@ mod tests {
     }
 
     #[test]
+    fn whole_numbers_are_a_design() {
+        let scaled = |by: f64| mesh(move |p| p.map(|x| by * x), false, [1, 2, 3]);
+        let (plain, longer) = (scaled(100.0), scaled(100.1));
+        let mut known = KnownMeshes::new(1.0);
+        known.add(MeshId(0), MeshInvariants::of(&plain));
+        let meshes = std::slice::from_ref(&plain);
+        assert!(known.find(meshes, &longer).is_err());
+        assert!(known.find(meshes, &plain).is_ok());
+    }
+
+    #[test]
     fn a_mirror_image_or_another_vertex_is_another_mesh() {
         let plain = mesh(|p| p, false, [1, 2, 3]);
         let mut mirrored = mesh(|[x, y, z]| [x, y, -z], true, [1, 2, 3]);
         mirrored.soup.polygons.turn_over();
         assert!(found(&plain, &mirrored).is_none());
         let moved =
-            |p: [f64; 3]| if p == POINTS[5] { turned([0.0, 5.0, 1.00002]) } else { turned(p) };
+            |p: [f64; 3]| if p == POINTS[5] { turned([0.0, 5.0, 1.000005]) } else { turned(p) };
         assert!(found(&plain, &mesh(moved, true, [1, 2, 3])).is_none());
         let mut bare = mesh(turned, true, [1, 2, 3]);
         bare.colour = None;

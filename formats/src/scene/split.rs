@@ -2,7 +2,6 @@
 
 use super::same::KnownMeshes;
 use super::{ColourRuns, Placement, PolygonRuns, Scene, SceneMesh};
-use crate::far::decimal_power;
 
 impl Scene {
     /// The scene in which each named group of the only mesh is a place: objects of OBJ, solids of STL. These formats
@@ -98,10 +97,49 @@ fn colours(mesh: &SceneMesh) -> Vec<Option<[u8; 3]>> {
     colours
 }
 
-/// The step between numbers of the file: that of its decimal digits, or that of single precision.
+/// The most coordinates whose digits are counted. They are spread over the file.
+const COUNTED: usize = 100_000;
+
+/// The step between numbers of the file at its largest coordinate: that of the significant digits that its numbers have,
+/// or four steps of single precision, which are the errors of a product of a matrix and a vertex.
 fn rounding(points: &[[f64; 3]]) -> f64 {
-    let reach = points.as_flattened().iter().filter(|x| x.is_finite());
-    let reach = reach.fold(0.0, |reach: f64, x| reach.max(x.abs()));
-    let single = f64::from(f32::EPSILON) * reach;
-    decimal_power(points).map_or(single, |power| single.max(1.0 / power))
+    let all = points.as_flattened();
+    let reach = all.iter().filter(|x| x.is_finite()).fold(0.0, |reach: f64, x| reach.max(x.abs()));
+    let single = 4.0 * f64::from(f32::EPSILON) * reach;
+    let counted = all.iter().step_by(all.len().div_ceil(COUNTED).max(1));
+    let digits = counted.map(|x| significant_digits(*x)).max().unwrap_or(0);
+    if digits > f32::DIGITS as usize + 1 || reach == 0.0 {
+        // Whether these are the digits of single or of fixed decimals, the step of the digits may be the larger one.
+        return single.max(step(reach, digits)).max(f64::MIN_POSITIVE);
+    }
+    step(reach, digits)
+}
+
+/// The step between numbers of so many significant digits at a number.
+fn step(at: f64, digits: usize) -> f64 {
+    let exponent = if at > 0.0 { at.log10().floor() } else { 0.0 };
+    10f64.powf(exponent + 1.0 - digits as f64)
+}
+
+/// The number of digits that a number needs, without zeros at its ends.
+fn significant_digits(x: f64) -> usize {
+    // The shortest digits that give the number again: d.ddde±x.
+    let text = format!("{:e}", x.abs());
+    text.bytes().take_while(|b| *b != b'e').filter(u8::is_ascii_digit).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_step_is_that_of_the_digits() {
+        let of = |x: f64| rounding(&[[x, 1.5, 0.0]]);
+        assert!((of(2970.12) - 0.01).abs() < 1e-9);
+        // %g: the small number has more decimals than the large one.
+        assert!((rounding(&[[123.456, 5.12345, 0.0]]) - 1e-3).abs() < 1e-12);
+        let single = 4.0 * f64::from(f32::EPSILON);
+        assert!((of(f64::from(0.1_f32 * 3.0)) / (1.5 * single) - 1.0).abs() < 1e-9);
+        assert_eq!([0.0, 1.5, 2970.12, 1e-7, 100.0].map(significant_digits), [1, 2, 6, 1, 1]);
+    }
 }

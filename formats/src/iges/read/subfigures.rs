@@ -160,8 +160,8 @@ impl Subfigures {
 
     /// Whether a subfigure has an entity, itself and not in a group.
     pub(super) fn has(&self, pointer: i64) -> bool {
-        let owners = self.owners.get(&pointer).into_iter().flatten();
-        owners.into_iter().any(|owner| self.definitions.contains(owner))
+        let mut owners = self.owners.get(&pointer).into_iter().flatten();
+        owners.any(|owner| self.definitions.contains(owner))
     }
 
     /// Whether something is in several places.
