@@ -234,8 +234,8 @@ const JOINT: [(&str, f64, [f64; 3]); 3] = [
         std::f64::consts::PI * (100.0 + 9.0 * 23.5 + 0.5 * (9.0 + 7.5 + 6.25) / 3.0),
         [200.0, 160.0, 60.0],
     ),
-    // A hexagon of 10 across without a bore of 3. Flat sides stay flat.
-    ("nut", 5.0 * (86.602_540_378_443_87 - 9.0 * std::f64::consts::PI), [90.0, 90.0, 96.0]),
+    // A hexagon of 10 across, whose corners have five digits, without a bore of 3. Flat sides stay flat.
+    ("nut", 5.0 * (86.6025 - 9.0 * std::f64::consts::PI), [90.0, 90.0, 96.0]),
 ];
 
 /// Asserts that a file has the pipe joint, with z up, and returns how many products it has.
