@@ -9,6 +9,7 @@ part: the path of the names of places, the name of the product, its volume in mm
 """
 
 import json
+import os
 import sys
 
 from OCP.BRepCheck import BRepCheck_Analyzer
@@ -117,7 +118,12 @@ def main():
     Interface_Static.SetIVal_s("read.stdsameparameter.mode", 0)
     for switch in (reader.SetNameMode, reader.SetColorMode):
         switch(True)
-    if reader.ReadFile(sys.argv[1]) != IFSelect_RetDone or not reader.Transfer(document):
+    # The reader of IGES files prints what it counts.
+    output = os.dup(1)
+    os.dup2(2, 1)
+    read = reader.ReadFile(sys.argv[1]) == IFSelect_RetDone and reader.Transfer(document)
+    os.dup2(output, 1)
+    if not read:
         sys.exit("cannot be read")
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     roots, all_shapes = TDF_LabelSequence(), TDF_LabelSequence()
