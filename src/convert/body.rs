@@ -1,4 +1,4 @@
-//! The way from a body to a solid or a shell: mesh → thin and smooth → fill → layout → net → patches →
+//! The way from a body to a solid or a shell: mesh → smooth → fill → layout → net → patches →
 //! refine → trim → brep → deviation. A body is closed, or has gaps that are filled. A solid keeps its
 //! fills, and of a shell they are cut out.
 
@@ -28,9 +28,9 @@ pub(super) fn body(
     let (mut measured, input) = input::body(scan, shape, options)?;
     watch(Stage::Mesh(&measured))?;
     let rough = scan.at_measured_places(&measured);
-    // A tolerance that the user names is held at every point.
-    let holds_each = options.tolerance.is_some();
-    let found = smoothed(&rough, &options.smooth, holds_each, watch)?;
+    // A layout of a thinned mesh has other blocks, and its faces were farther from the true surface of a body of a
+    // million vertices. So each vertex stays.
+    let found = smoothed(&rough, &options.smooth, true, watch)?;
     let Smoothed { disk, measured: means, stand_ins, thin, smooth } = found;
     watch(Stage::Smooth(&disk))?;
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
