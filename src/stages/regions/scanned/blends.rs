@@ -3,14 +3,15 @@
 //! A blend of two or three edges of the scan is too narrow to grow. But a ball that rolls along two known surfaces has
 //! one parameter, its radius, and all vertices along the edge tell it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Matrix3;
 
 use super::division::Division;
 use super::growth::Room;
-use super::model::{MORE_STEPS, MOST_OFF, MOST_SAMPLES, Model, is_sane};
-use super::scan::Scan;
+use super::model::{LEAST_RADIUS, MORE_STEPS, MOST_OFF, MOST_SAMPLES, SurfaceModel, is_sane};
+use super::scan::{CREASE, NoisyScan};
+use super::seeds::FEWEST;
 use crate::geometry::{NONE, Point, Vector};
 use crate::primitives::Primitive;
 
@@ -20,29 +21,22 @@ const STRIP_RINGS: usize = 2;
 /// The most regions that are kept for a vertex.
 const MOST_NEAR: usize = 4;
 
-/// Edges that turn by less or more than this have no thin blend that is visible (cosines of 25° and 155°).
-const TURNS: [f64; 2] = [-0.906, 0.906];
-
-/// The fewest vertices of a blend.
-const FEWEST: usize = 12;
-
-/// Radii from this many edges are tried, each larger than the one before by this factor, and so many.
-const LEAST_RADIUS: f64 = 0.5;
+/// So many radii are tried, each larger than the one before by this factor.
 const RADIUS_FACTOR: f64 = 1.15;
-const RADII: usize = 20;
+const RADII: usize = 24;
 
 /// A blend is at least so many edges wide; narrower ones are sharp edges for a scan.
 const LEAST_WIDTH: f64 = 1.5;
 
 /// A vertex seen across an edge: outward distances from both surfaces, and the cosine between their normals.
-struct Across {
+struct SeenAcross {
     vertex: u32,
     distances: [f64; 2],
     normals: [Vector; 2],
     deviation: f64,
 }
 
-impl Across {
+impl SeenAcross {
     /// The direction from the centre of a ball of a radius to the vertex, in shares of both normals.
     fn shares(&self, radius: f64, bend: f64) -> [f64; 2] {
         let [a, b] = self.distances.map(|d| bend * d + radius);
@@ -75,7 +69,7 @@ impl Across {
 }
 
 /// Finds the blends along all edges between regions.
-pub(super) fn find(scan: &Scan, room: &mut Room, division: &mut Division) {
+pub(super) fn find(scan: &NoisyScan, room: &mut Room, division: &mut Division) {
     let mut strips = strips(scan, division).into_iter().collect::<Vec<_>>();
     let size = |label: u32| division.parts[label as usize].vertices.len();
     strips.sort_by_key(|(pair, _)| (std::cmp::Reverse(size(pair[0]).min(size(pair[1]))), *pair));
@@ -86,7 +80,7 @@ pub(super) fn find(scan: &Scan, room: &mut Room, division: &mut Division) {
             continue;
         }
         let free: Vec<u32> = vertices.into_iter().filter(|&v| !is_used[v as usize]).collect();
-        for piece in pieces(scan, room, free) {
+        for piece in pieces(scan, free) {
             let Some((model, claimed)) = blend(scan, room, division, pair, &piece, &mut is_gone)
             else {
                 continue;
@@ -100,7 +94,7 @@ pub(super) fn find(scan: &Scan, room: &mut Room, division: &mut Division) {
 }
 
 /// The vertices near two regions.
-fn strips(scan: &Scan, division: &Division) -> BTreeMap<[u32; 2], Vec<u32>> {
+fn strips(scan: &NoisyScan, division: &Division) -> BTreeMap<[u32; 2], Vec<u32>> {
     let mut near: Vec<Vec<u32>> =
         division.labels.iter().map(|&l| if l == NONE { vec![] } else { vec![l] }).collect();
     for _ in 0..STRIP_RINGS {
@@ -129,10 +123,8 @@ fn strips(scan: &Scan, division: &Division) -> BTreeMap<[u32; 2], Vec<u32>> {
 }
 
 /// The connected pieces of some vertices.
-fn pieces(scan: &Scan, room: &mut Room, vertices: Vec<u32>) -> Vec<Vec<u32>> {
-    // A mark is taken off by adding the vertex to a piece.
-    let mut left: std::collections::BTreeSet<u32> = vertices.into_iter().collect();
-    room.clear();
+fn pieces(scan: &NoisyScan, vertices: Vec<u32>) -> Vec<Vec<u32>> {
+    let mut left: BTreeSet<u32> = vertices.into_iter().collect();
     let mut all = Vec::new();
     while let Some(first) = left.pop_first() {
         let (mut found, mut done) = (vec![first], 0);
@@ -153,28 +145,29 @@ fn pieces(scan: &Scan, room: &mut Room, vertices: Vec<u32>) -> Vec<Vec<u32>> {
 
 /// The blend along one piece of an edge, if it explains the strip at a lower cost than what is there.
 fn blend(
-    scan: &Scan,
+    scan: &NoisyScan,
     room: &mut Room,
     division: &Division,
     pair: [u32; 2],
     strip: &[u32],
     is_gone: &mut [bool],
-) -> Option<(Model, Vec<u32>)> {
+) -> Option<(SurfaceModel, Vec<u32>)> {
     let supports = pair.map(|label| division.parts[label as usize].model);
     let across = |&v: &u32| {
         let seen = supports.map(|m| m.surface.distance(scan.point(v)));
         let sides = supports.map(|m| m.side);
-        Across {
+        SeenAcross {
             vertex: v,
             distances: [0, 1].map(|k| sides[k] * seen[k].0),
             normals: [0, 1].map(|k| sides[k] * seen[k].1),
             deviation: scan.noise.at(v),
         }
     };
-    let strip: Vec<Across> = strip
+    let strip: Vec<SeenAcross> = strip
         .iter()
         .map(across)
-        .filter(|a| (TURNS[0]..TURNS[1]).contains(&a.normals[0].dot(&a.normals[1])))
+        // The blends of other edges are not visible.
+        .filter(|a| a.normals[0].dot(&a.normals[1]).abs() < CREASE.cos())
         .collect();
     if strip.len() < FEWEST {
         return None;
@@ -191,8 +184,8 @@ fn blend(
     }
     // Vertices at the ends of the edge may belong to other faces.
     let most = MOST_OFF * MOST_OFF;
-    let is_on = |a: &&Across| a.is_on_ball(radius, bend) && a.cost(radius, bend) < most;
-    let on_ball: Vec<&Across> = strip.iter().filter(is_on).collect();
+    let is_on = |a: &&SeenAcross| a.is_on_ball(radius, bend) && a.cost(radius, bend) < most;
+    let on_ball: Vec<&SeenAcross> = strip.iter().filter(is_on).collect();
     let claimed: Vec<u32> = on_ball.iter().map(|a| a.vertex).collect();
     if claimed.len() < FEWEST {
         return None;
@@ -201,7 +194,7 @@ fn blend(
         on_ball.iter().map(|a| scan.point(a.vertex) - a.from_centre(radius, bend)).collect();
     let starts = along_line(&centres, radius).into_iter().chain(along_circle(&centres, radius));
     let models = starts.filter(|s| is_sane(scan, s)).flat_map(|surface| {
-        let start = Model { surface, side: bend };
+        let start = SurfaceModel { surface, side: bend };
         let fitted = start.refitted(scan, &claimed, MOST_SAMPLES, MORE_STEPS);
         fitted.into_iter().chain([start])
     });

@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::growth::Room;
-use super::model::{MOST_OFF, MOST_SAMPLES, Model, cheapest};
-use super::scan::Scan;
+use super::model::{MOST_OFF, MOST_SAMPLES, SurfaceModel, cheapest};
+use super::scan::{CREASE, MOST_TURN, NoisyScan};
+use super::seeds::FEWEST;
 use crate::geometry::NONE;
 
 /// The steps of the fit to the core of a region.
@@ -13,14 +14,8 @@ const CORE_STEPS: usize = 10;
 /// The rounds of merging, each of pairs that have no region in common.
 const MOST_MERGES: usize = 8;
 
-/// Neighbours whose surfaces turn by more than this where they meet are no single surface, in radians.
-const MOST_BEND: f64 = 0.7;
-
-/// A border where the surfaces turn by more than this is sharp, in radians.
-const SHARP: f64 = 0.44;
-
 /// The standard deviation of a filtered normal, in radians, and the most that an angle costs.
-const NORMAL_DEVIATION: f64 = 0.15;
+pub(super) const NORMAL_DEVIATION: f64 = 0.15;
 const MOST_ANGLE_COST: f64 = 6.0;
 
 /// What each neighbour of another region costs a vertex (Potts).
@@ -34,8 +29,8 @@ const MOST_NEIGHBOURS: usize = 12;
 
 /// A region of the scan.
 #[derive(Debug, Clone)]
-pub(super) struct Part {
-    pub(super) model: Model,
+pub(super) struct DividedPart {
+    pub(super) model: SurfaceModel,
     pub(super) vertices: Vec<u32>,
 }
 
@@ -44,7 +39,7 @@ pub(super) struct Division {
     /// The number of each vertex' region.
     pub(super) labels: Vec<u32>,
     /// The regions; those without vertices are gone.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<DividedPart>,
     /// Pairs of regions that are no single surface, with their numbers of vertices.
     refused: BTreeSet<[usize; 4]>,
 }
@@ -54,10 +49,10 @@ impl Division {
         Division { labels: vec![NONE; count], parts: Vec::new(), refused: BTreeSet::new() }
     }
 
-    pub(super) fn add(&mut self, model: Model, vertices: Vec<u32>) {
+    pub(super) fn add(&mut self, model: SurfaceModel, vertices: Vec<u32>) {
         let number = self.parts.len() as u32;
         vertices.iter().for_each(|&v| self.labels[v as usize] = number);
-        self.parts.push(Part { model, vertices });
+        self.parts.push(DividedPart { model, vertices });
     }
 
     /// Lists the vertices of the regions again.
@@ -75,11 +70,11 @@ impl Division {
     }
 
     /// The pairs of regions that are at most one vertex apart, each with the mean cosine between their surfaces there.
-    fn pairs(&self, scan: &Scan) -> Vec<([u32; 2], f64)> {
+    fn pairs(&self, scan: &NoisyScan) -> Vec<([u32; 2], f64)> {
         let mut found: BTreeMap<[u32; 2], (f64, f64)> = BTreeMap::new();
         let mut meet = |a: u32, b: u32, v: u32| {
             let [x, y] = [a, b].map(|label| &self.parts[label as usize].model);
-            let normal = |m: &Model| m.side * m.surface.distance(scan.point(v)).1;
+            let normal = |m: &SurfaceModel| m.side * m.surface.distance(scan.point(v)).1;
             let entry = found.entry([a.min(b), a.max(b)]).or_default();
             entry.0 += normal(x).dot(&normal(y));
             entry.1 += 1.0;
@@ -108,10 +103,11 @@ impl Division {
     }
 
     /// Merges neighbours that one surface explains at a lower cost.
-    pub(super) fn merge(&mut self, scan: &Scan, room: &mut Room) {
+    pub(super) fn merge(&mut self, scan: &NoisyScan, room: &mut Room) {
         for _ in 0..MOST_MERGES {
             let mut pairs = self.pairs(scan);
-            pairs.retain(|&(_, cosine)| cosine > MOST_BEND.cos());
+            // A single surface turns from each of the two no more than a vertex' normal may.
+            pairs.retain(|&(_, cosine)| cosine > (2.0 * MOST_TURN).cos());
             let size = |label: u32| self.parts[label as usize].vertices.len();
             pairs.sort_by_key(|&(p, _)| (std::cmp::Reverse(size(p[0]).min(size(p[1]))), p));
             let mut is_touched = vec![false; self.parts.len()];
@@ -134,7 +130,7 @@ impl Division {
                 if total < separate && model.is_accepted(scan, &both, &mut room.off) {
                     let from = std::mem::take(&mut self.parts[b].vertices);
                     from.into_iter().for_each(|v| self.labels[v as usize] = a as u32);
-                    self.parts[a] = Part { model, vertices: both };
+                    self.parts[a] = DividedPart { model, vertices: both };
                     is_touched[a] = true;
                     is_touched[b] = true;
                     is_any = true;
@@ -147,7 +143,7 @@ impl Division {
     }
 
     /// Gives up regions whose vertices their neighbours explain at a lower cost, the smallest first.
-    pub(super) fn absorb(&mut self, scan: &Scan, room: &mut Room) {
+    pub(super) fn absorb(&mut self, scan: &NoisyScan, room: &mut Room) {
         let mut order: Vec<usize> = self.alive().collect();
         order.sort_by_key(|&a| (self.parts[a].vertices.len(), a));
         for a in order {
@@ -190,7 +186,7 @@ impl Division {
     }
 
     /// The regions within two edges of a region.
-    fn around(&self, scan: &Scan, room: &mut Room, a: usize) -> BTreeSet<u32> {
+    fn around(&self, scan: &NoisyScan, room: &mut Room, a: usize) -> BTreeSet<u32> {
         room.clear();
         let vertices = &self.parts[a].vertices;
         let mut others = BTreeSet::new();
@@ -212,7 +208,7 @@ impl Division {
 
     /// Moves borders to where they are likeliest (iterated conditional modes: Besag, "On the statistical analysis of
     /// dirty pictures", 1986).
-    pub(super) fn move_borders(&mut self, scan: &Scan) {
+    pub(super) fn move_borders(&mut self, scan: &NoisyScan) {
         let none = 0.5 * MOST_OFF * MOST_OFF;
         for _ in 0..BORDER_ROUNDS {
             let mut is_any = false;
@@ -260,7 +256,7 @@ impl Division {
     /// The vertices of a region that surely belong to it, if those are enough, otherwise all: those all of whose
     /// neighbours do, or if these are less than half, those that are clear of the surfaces beyond sharp borders. The
     /// middle of a thin blend alone looks flat, and the rows beside sharp borders bend a chamfer.
-    pub(super) fn core(&self, scan: &Scan, a: usize) -> Vec<u32> {
+    pub(super) fn core(&self, scan: &NoisyScan, a: usize) -> Vec<u32> {
         let part = &self.parts[a];
         let least = 3 * part.model.kind().parameters() + 10;
         let is_own = |w: &u32| self.labels[*w as usize] as usize == a;
@@ -279,7 +275,7 @@ impl Division {
                 label == NONE || {
                     let other = &self.parts[label as usize].model;
                     let (d, g) = other.surface.distance(scan.point(v));
-                    let is_smooth = other.side * g.dot(&own) > SHARP.cos();
+                    let is_smooth = other.side * g.dot(&own) > CREASE.cos();
                     is_smooth || d.abs() > MOST_OFF * scan.noise.at(v)
                 }
             })
@@ -292,7 +288,7 @@ impl Division {
     }
 
     /// Fits all regions to their cores, and chooses their kinds again.
-    pub(super) fn fit_cores(&mut self, scan: &Scan, room: &mut Room, choose: bool) {
+    pub(super) fn fit_cores(&mut self, scan: &NoisyScan, room: &mut Room, choose: bool) {
         let alive: Vec<usize> = self.alive().collect();
         for a in alive {
             let core = self.core(scan, a);
@@ -300,7 +296,7 @@ impl Division {
             if let Some(model) = part.model.refitted(scan, &core, MOST_SAMPLES, CORE_STEPS) {
                 part.model = model;
             }
-            if choose && core.len() >= FEWEST_CORE {
+            if choose && core.len() >= FEWEST {
                 let own = part.model.total(scan, &core);
                 let other = cheapest(scan, &core, &[]);
                 let better = other.filter(|(model, total)| {
@@ -315,6 +311,3 @@ impl Division {
         }
     }
 }
-
-/// The kind of smaller regions is not chosen again.
-const FEWEST_CORE: usize = 12;

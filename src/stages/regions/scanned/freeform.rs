@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use super::division::Division;
 use super::growth::Room;
 use super::model::MOST_OFF;
-use super::scan::Scan;
+use super::scan::{CREASE, MOST_TURN, NoisyScan};
 use super::seeds::depths;
 use crate::geometry::{NONE, SAME_SIDE, Vector};
 use crate::primitives::PrimitiveKind;
@@ -17,7 +17,8 @@ use crate::primitives::PrimitiveKind;
 const ABRUPT: f64 = 0.9;
 const BORDERED: f64 = 0.8;
 
-/// A region must be so many rings deep to be a face by itself.
+/// A region must be so many rings deep to be a face by itself. A blend is at most so deep, and what is left over is
+/// no face if it is less.
 const LEAST_DEPTH: u32 = 3;
 
 /// The places that are looked at lie half as many rings outside as the region is deep, within these bounds.
@@ -26,17 +27,8 @@ const RINGS_OUTSIDE: [u32; 2] = [2, 12];
 /// A free-form surface is somewhere deeper than this, in rings; a chain of blends is not.
 const BLEND_DEPTH: u32 = 9;
 
-/// A blend is at most so many rings deep: deeper bent regions tell by themselves how they end.
-const BLEND_RINGS: u32 = 3;
-
-/// Neighbours whose normals differ by more than this, in radians, are on two sides of an edge.
-const BLEND_TURN: f64 = 0.44;
-
 /// A scan of whose vertices fewer than this share lie on faces is a free-form one.
 const FEW_FACES: f64 = 0.1;
-
-/// Two surfaces that continue each other and are bent by less than this, in radians, are one free-form surface.
-const SLIGHT_BEND: f64 = 0.35;
 
 /// What lies beyond a region's border.
 struct Outside {
@@ -46,14 +38,14 @@ struct Outside {
 }
 
 /// Which regions are faces by themselves or with the faces beside them.
-struct Faces {
+struct FoundFaces {
     alive: Vec<usize>,
     outside: Vec<Outside>,
     is_face: Vec<bool>,
 }
 
-impl Faces {
-    fn of(scan: &Scan, room: &mut Room, division: &Division) -> Self {
+impl FoundFaces {
+    fn of(scan: &NoisyScan, room: &mut Room, division: &Division) -> Self {
         let alive: Vec<usize> = division.alive().collect();
         let outside: Vec<Outside> =
             alive.iter().map(|&a| outside(scan, room, division, a)).collect();
@@ -61,7 +53,8 @@ impl Faces {
         for &a in &alive {
             let part = &division.parts[a];
             let is_plane = part.model.kind() == PrimitiveKind::Plane;
-            is_slight[a] = !is_plane && spread(scan, &part.vertices) < SLIGHT_BEND;
+            // Two slightly bent surfaces that continue each other are one free-form surface.
+            is_slight[a] = !is_plane && spread(scan, &part.vertices) < MOST_TURN;
         }
         let share = |a: usize, beyond: &Outside, is_face: &[bool]| {
             let ends = |&&(is_abrupt, label): &&(bool, u32)| {
@@ -85,14 +78,14 @@ impl Faces {
                 break;
             }
         }
-        Faces { alive, outside, is_face }
+        FoundFaces { alive, outside, is_face }
     }
 }
 
 /// Whether nearly the whole scan is free-form. Then chance makes some of its pieces look like faces, and all regions
 /// but flat faces are given up.
-pub(super) fn is_free_form(scan: &Scan, room: &mut Room, division: &mut Division) -> bool {
-    let faces = Faces::of(scan, room, division);
+pub(super) fn is_free_form(scan: &NoisyScan, room: &mut Room, division: &mut Division) -> bool {
+    let faces = FoundFaces::of(scan, room, division);
     let count = |&&a: &&usize| faces.is_face[a];
     let found = faces.alive.iter().filter(count).map(|&a| division.parts[a].vertices.len());
     let share = found.sum::<usize>() as f64 / scan.len() as f64;
@@ -110,8 +103,8 @@ pub(super) fn is_free_form(scan: &Scan, room: &mut Room, division: &mut Division
 }
 
 /// Gives up the regions that are not faces.
-pub(super) fn give_up(scan: &Scan, room: &mut Room, division: &mut Division) {
-    let Faces { alive, outside, is_face } = Faces::of(scan, room, division);
+pub(super) fn give_up(scan: &NoisyScan, room: &mut Room, division: &mut Division) {
+    let FoundFaces { alive, outside, is_face } = FoundFaces::of(scan, room, division);
     let is_left = |v: u32| {
         let label = division.labels[v as usize];
         label == NONE || !is_face[label as usize]
@@ -121,7 +114,7 @@ pub(super) fn give_up(scan: &Scan, room: &mut Room, division: &mut Division) {
         let part = &division.parts[a];
         let deep = part.vertices.iter().filter(|&&v| is_deep[v as usize]).count();
         let is_bent = part.model.kind() != PrimitiveKind::Plane;
-        if is_bent && beyond.depth > BLEND_RINGS || 2 * deep > part.vertices.len() {
+        if is_bent && beyond.depth > LEAST_DEPTH || 2 * deep > part.vertices.len() {
             part.vertices.iter().for_each(|&v| division.labels[v as usize] = NONE);
         }
     }
@@ -130,8 +123,8 @@ pub(super) fn give_up(scan: &Scan, room: &mut Room, division: &mut Division) {
 
 /// Whether each vertex belongs to a smooth cluster of vertices that are left which is somewhere so deep that it has
 /// room for a free-form surface. The others are chains of blends between faces.
-fn deep_clusters(scan: &Scan, is_left: impl Fn(u32) -> bool) -> Vec<bool> {
-    let turn = BLEND_TURN.cos();
+fn deep_clusters(scan: &NoisyScan, is_left: impl Fn(u32) -> bool) -> Vec<bool> {
+    let turn = CREASE.cos();
     let is_joined = |v: u32, w: u32| is_left(w) && scan.normal(v).dot(&scan.normal(w)) > turn;
     let is_inner = |v: u32| is_left(v) && scan.near(v).iter().all(|&w| is_joined(v, w));
     let depths = depths(scan, |v| !is_inner(v));
@@ -160,12 +153,12 @@ fn deep_clusters(scan: &Scan, is_left: impl Fn(u32) -> bool) -> Vec<bool> {
 }
 
 /// The angle over which the normals of vertices spread, if they do so along an arc.
-fn spread(scan: &Scan, vertices: &[u32]) -> f64 {
+fn spread(scan: &NoisyScan, vertices: &[u32]) -> f64 {
     let sum: Vector = vertices.iter().map(|&v| scan.normal(v)).sum();
     (24.0 * (1.0 - sum.norm() / vertices.len() as f64)).max(0.0).sqrt()
 }
 
-fn outside(scan: &Scan, room: &mut Room, division: &Division, a: usize) -> Outside {
+fn outside(scan: &NoisyScan, room: &mut Room, division: &Division, a: usize) -> Outside {
     let part = &division.parts[a];
     let is_own = |v: u32| division.labels[v as usize] as usize == a;
     room.clear();
@@ -186,7 +179,7 @@ fn outside(scan: &Scan, room: &mut Room, division: &Division, a: usize) -> Outsi
 
 /// The rings of allowed vertices around some vertices, these first.
 fn rings(
-    scan: &Scan,
+    scan: &NoisyScan,
     room: &mut Room,
     first: &[u32],
     most: u32,
@@ -214,11 +207,8 @@ fn rings(
     found
 }
 
-/// Left-over vertices that are nowhere farther than this from a region belong to it.
-const THIN: u32 = 2;
-
 /// Gives what is left to the nearest surfaces where it is too thin to be a face. What is deeper stays free-form.
-pub(super) fn fill_thin(scan: &Scan, division: &mut Division) {
+pub(super) fn fill_thin(scan: &NoisyScan, division: &mut Division) {
     let depths = depths(scan, |v| division.labels[v as usize] != NONE);
     let mut piece = vec![NONE; scan.len()];
     let mut deepest = Vec::new();
@@ -242,7 +232,7 @@ pub(super) fn fill_thin(scan: &Scan, division: &mut Division) {
         deepest.push(most);
     }
     let mut left: Vec<u32> = (0..scan.len() as u32)
-        .filter(|&v| piece[v as usize] != NONE && deepest[piece[v as usize] as usize] <= THIN)
+        .filter(|&v| piece[v as usize] != NONE && deepest[piece[v as usize] as usize] < LEAST_DEPTH)
         .collect();
     while !left.is_empty() {
         let mut given = BTreeMap::new();

@@ -1,7 +1,8 @@
 //! The growth of a region from a seed, as each kind of surface.
 
-use super::model::{MORE_STEPS, MOST_OFF, Model};
-use super::scan::{Scan, some};
+use super::model::{MORE_STEPS, MOST_OFF, SurfaceModel};
+use super::scan::{NoisyScan, some};
+use super::seeds;
 use super::starts::Neighbourhood;
 use crate::geometry::NONE;
 use crate::primitives::PrimitiveKind;
@@ -21,9 +22,6 @@ const STABLE: f64 = 0.001;
 
 /// A surface that keeps less than this share of its seed has left it.
 const KEPT: f64 = 0.6;
-
-/// A region needs so many vertices more than its surface has parameters.
-const SPARE: usize = 6;
 
 /// The vertices of a seed that give starts.
 const SEED_SAMPLES: usize = 150;
@@ -68,7 +66,7 @@ impl Room {
     /// The vertices that are connected to `v` by at most so many edges, among those that are allowed.
     pub(super) fn ball(
         &mut self,
-        scan: &Scan,
+        scan: &NoisyScan,
         v: u32,
         rings: usize,
         is_allowed: impl Fn(u32) -> bool,
@@ -92,7 +90,7 @@ impl Room {
     }
 
     /// The distance of a vertex from the model of the present flood.
-    fn distance(&mut self, scan: &Scan, model: &Model, v: u32) -> f64 {
+    fn distance(&mut self, scan: &NoisyScan, model: &SurfaceModel, v: u32) -> f64 {
         let at = v as usize;
         if self.known[at] != self.flood {
             self.known[at] = self.flood;
@@ -103,7 +101,7 @@ impl Room {
 
     /// Whether a vertex lies on a model, and the mean of it and its neighbours does. The mean tells an edge or a bend
     /// long before the single vertex does.
-    fn joins(&mut self, scan: &Scan, model: &Model, means: &[f64], v: u32) -> bool {
+    fn joins(&mut self, scan: &NoisyScan, model: &SurfaceModel, means: &[f64], v: u32) -> bool {
         let own = self.distance(scan, model, v);
         if own.abs() > MOST_OFF {
             return false;
@@ -122,8 +120,8 @@ impl Room {
     /// The vertices on a model that are connected with its core.
     fn flood(
         &mut self,
-        scan: &Scan,
-        model: &Model,
+        scan: &NoisyScan,
+        model: &SurfaceModel,
         means: &[f64],
         core: &[u32],
         most: usize,
@@ -152,7 +150,7 @@ impl Room {
 }
 
 /// How far the mean of so many neighbours may be off.
-pub(super) fn bounds_of_means(scan: &Scan) -> Vec<f64> {
+pub(super) fn bounds_of_means(scan: &NoisyScan) -> Vec<f64> {
     let bound = |count: usize| SIGNIFICANT * scan.deviation_of_mean(count.max(1));
     (0..MOST_NEAR).map(bound).collect()
 }
@@ -162,16 +160,18 @@ const MOST_NEAR: usize = 32;
 
 /// The cheapest region that grows from a seed: its model and vertices.
 pub(super) fn grow(
-    scan: &Scan,
+    scan: &NoisyScan,
     room: &mut Room,
     means: &[f64],
     seed: &[u32],
     labels: &[u32],
-) -> Option<(Model, Vec<u32>)> {
+) -> Option<(SurfaceModel, Vec<u32>)> {
     let around = Neighbourhood::new(scan, some(seed, SEED_SAMPLES));
-    let mut grown: Vec<(Model, Vec<u32>)> = Vec::new();
+    let mut grown: Vec<(SurfaceModel, Vec<u32>)> = Vec::new();
     for kind in PrimitiveKind::ALL {
-        let Some(start) = Model::best(scan, kind, &around, seed, SEED_SAMPLES) else { continue };
+        let Some(start) = SurfaceModel::best(scan, kind, &around, seed, SEED_SAMPLES) else {
+            continue;
+        };
         if start.is_accepted(scan, seed, &mut room.off) {
             grown.extend(grown_as(scan, room, means, start, seed, labels));
         }
@@ -188,13 +188,13 @@ pub(super) fn grow(
 }
 
 fn grown_as(
-    scan: &Scan,
+    scan: &NoisyScan,
     room: &mut Room,
     means: &[f64],
-    start: Model,
+    start: SurfaceModel,
     seed: &[u32],
     labels: &[u32],
-) -> Option<(Model, Vec<u32>)> {
+) -> Option<(SurfaceModel, Vec<u32>)> {
     let mut model = start;
     let mut now = seed.to_vec();
     for _ in 0..MOST_FITS {
@@ -211,6 +211,6 @@ fn grown_as(
             break;
         }
     }
-    let is_enough = now.len() >= model.kind().parameters() + SPARE;
+    let is_enough = now.len() >= seeds::FEWEST;
     (is_enough && model.is_accepted(scan, &now, &mut room.off)).then_some((model, now))
 }

@@ -30,7 +30,7 @@ use crate::mesh::{EdgeMap, Mesh, VertexRings};
 use crate::noise::NoiseField;
 use division::Division;
 use growth::Room;
-use scan::Scan;
+use scan::NoisyScan;
 
 /// The noise of a scan as the search for regions needs it.
 #[derive(Debug, Clone)]
@@ -81,7 +81,7 @@ impl ScanNoise {
 /// The covariances of the regions are those of their surfaces' motions in the unit of the mesh.
 pub fn find_scanned(mesh: &Mesh, noise: &ScanNoise) -> Regions {
     let rings = VertexRings::new(mesh);
-    let scan = Scan::new(mesh, &rings, noise);
+    let scan = NoisyScan::new(mesh, &rings, noise);
     let mut room = Room::new(scan.len());
     let mut division = Division::new(scan.len());
     seeds::off_creases(&scan, &mut room, &mut division);

@@ -1,7 +1,8 @@
 //! Surfaces as explanations of noisy vertices: fits, acceptance, and cost.
 
-use super::scan::{Scan, some};
+use super::scan::{NoisyScan, some};
 use super::starts::Neighbourhood;
+use crate::geometry::SAME_SIDE;
 use crate::primitives::{FitOptions, FitSample, Primitive, PrimitiveFit, PrimitiveKind, fit};
 use crate::statistics::SIGNIFICANT;
 
@@ -12,11 +13,8 @@ const RELEVANT: f64 = 0.35;
 /// A vertex that is so many standard deviations off does not belong to a surface, and costs no more than that.
 pub(super) const MOST_OFF: f64 = SIGNIFICANT;
 
-/// The cosine beyond which the surface at a vertex faces elsewhere, so the vertex is not explained.
-const FACING: f64 = 0.3;
-
 /// The smallest radius that vertices can show, in edges.
-const LEAST_RADIUS: f64 = 0.3;
+pub(super) const LEAST_RADIUS: f64 = 0.3;
 
 /// A radius that is larger than so many diagonals of the scan is that of a simpler surface.
 const MOST_RADIUS: f64 = 5.0;
@@ -37,12 +35,12 @@ pub(super) const MORE_STEPS: usize = 6;
 
 /// A surface and the side of it that is outside.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Model {
+pub(super) struct SurfaceModel {
     pub(super) surface: Primitive,
     pub(super) side: f64,
 }
 
-impl Model {
+impl SurfaceModel {
     pub(super) fn kind(&self) -> PrimitiveKind {
         self.surface.kind()
     }
@@ -50,40 +48,40 @@ impl Model {
     /// The model fitted again to vertices. `None` if it degenerates.
     pub(super) fn refitted(
         &self,
-        scan: &Scan,
+        scan: &NoisyScan,
         vertices: &[u32],
         most: usize,
         steps: usize,
-    ) -> Option<Model> {
+    ) -> Option<SurfaceModel> {
         let samples = scan.samples(vertices, most);
         let found = fitted(scan, self.surface, &samples, steps)?;
         let side = scan.side(&found.surface, vertices);
-        Some(Model { surface: found.surface, side })
+        Some(SurfaceModel { surface: found.surface, side })
     }
 
     /// The best model of a kind for vertices.
     pub(super) fn best(
-        scan: &Scan,
+        scan: &NoisyScan,
         kind: PrimitiveKind,
         around: &Neighbourhood,
         vertices: &[u32],
         most: usize,
-    ) -> Option<Model> {
+    ) -> Option<SurfaceModel> {
         let few = scan.samples(vertices, FEW_SAMPLES);
         let fits =
             around.starts(kind).into_iter().filter_map(|s| fitted(scan, s, &few, FIRST_STEPS));
         let found = fits.min_by(|a, b| a.squares.total_cmp(&b.squares))?;
-        let model = Model { surface: found.surface, side: 1.0 };
+        let model = SurfaceModel { surface: found.surface, side: 1.0 };
         if vertices.len() > FEW_SAMPLES {
             return model.refitted(scan, vertices, most, MORE_STEPS);
         }
-        Some(Model { side: scan.side(&found.surface, vertices), ..model })
+        Some(SurfaceModel { side: scan.side(&found.surface, vertices), ..model })
     }
 
     /// Whether noise explains how far the vertices are off: neither their mean square nor the agreement of neighbours
     /// is larger by more than chance and by more than what is relevant. `off` is room for one number a vertex of the
     /// scan.
-    pub(super) fn is_accepted(&self, scan: &Scan, vertices: &[u32], off: &mut [f64]) -> bool {
+    pub(super) fn is_accepted(&self, scan: &NoisyScan, vertices: &[u32], off: &mut [f64]) -> bool {
         let (count, parameters) = (vertices.len(), self.kind().parameters());
         if count <= parameters + 3 {
             return false;
@@ -120,26 +118,26 @@ impl Model {
 
     /// What a vertex costs: its squared distance in standard deviations, bounded, because a vertex that is farther off
     /// belongs to another surface.
-    pub(super) fn cost_at(&self, scan: &Scan, v: u32) -> f64 {
+    pub(super) fn cost_at(&self, scan: &NoisyScan, v: u32) -> f64 {
         let (d, cosine) = scan.residual(&self.surface, self.side, v);
         let most = MOST_OFF * MOST_OFF;
-        if cosine > FACING { (d * d).min(most) } else { most }
+        if cosine > SAME_SIDE { (d * d).min(most) } else { most }
     }
 
     /// What vertices cost, as a logarithm of likelihood.
-    pub(super) fn cost(&self, scan: &Scan, vertices: &[u32]) -> f64 {
+    pub(super) fn cost(&self, scan: &NoisyScan, vertices: &[u32]) -> f64 {
         vertices.iter().map(|&v| self.cost_at(scan, v)).sum::<f64>() / scan.common
     }
 
     /// The cost of the parameters of a surface of so many vertices (Schwarz, "Estimating the dimension of a model",
     /// 1978), and of its kind.
-    pub(super) fn description(&self, scan: &Scan, count: usize) -> f64 {
+    pub(super) fn description(&self, scan: &NoisyScan, count: usize) -> f64 {
         let independent = (count as f64 / scan.common).max(2.0);
         self.kind().parameters() as f64 * independent.ln() + rarity(self.kind())
     }
 
     /// The whole cost of vertices that are one region.
-    pub(super) fn total(&self, scan: &Scan, vertices: &[u32]) -> f64 {
+    pub(super) fn total(&self, scan: &NoisyScan, vertices: &[u32]) -> f64 {
         self.cost(scan, vertices) + self.description(scan, vertices.len())
     }
 }
@@ -158,7 +156,7 @@ fn rarity(kind: PrimitiveKind) -> f64 {
 
 /// Fits a surface. `None` if it degenerates.
 pub(super) fn fitted(
-    scan: &Scan,
+    scan: &NoisyScan,
     start: Primitive,
     samples: &[FitSample],
     steps: usize,
@@ -170,7 +168,7 @@ pub(super) fn fitted(
     is_sane(scan, &found.surface).then_some(found)
 }
 
-pub(super) fn is_sane(scan: &Scan, surface: &Primitive) -> bool {
+pub(super) fn is_sane(scan: &NoisyScan, surface: &Primitive) -> bool {
     let is_radius = |r: f64| r > LEAST_RADIUS * scan.edge && r < MOST_RADIUS * scan.diagonal;
     match *surface {
         Primitive::Plane { .. } => true,
@@ -183,13 +181,17 @@ pub(super) fn is_sane(scan: &Scan, surface: &Primitive) -> bool {
 }
 
 /// The best model of any kind for vertices, with its total cost on them. `known` are surfaces that may be near.
-pub(super) fn cheapest(scan: &Scan, vertices: &[u32], known: &[Model]) -> Option<(Model, f64)> {
+pub(super) fn cheapest(
+    scan: &NoisyScan,
+    vertices: &[u32],
+    known: &[SurfaceModel],
+) -> Option<(SurfaceModel, f64)> {
     let around = Neighbourhood::new(scan, some(vertices, FEW_SAMPLES));
-    let mut best: Option<(Model, f64)> = None;
+    let mut best: Option<(SurfaceModel, f64)> = None;
     for kind in PrimitiveKind::ALL {
         let near = known.iter().filter(|m| m.kind() == kind);
         let near = near.filter_map(|m| m.refitted(scan, vertices, CHOICE_SAMPLES, FIRST_STEPS));
-        let all = near.chain(Model::best(scan, kind, &around, vertices, CHOICE_SAMPLES));
+        let all = near.chain(SurfaceModel::best(scan, kind, &around, vertices, CHOICE_SAMPLES));
         let rated = all.map(|model| (model.total(scan, vertices), model));
         let Some((mut total, mut model)) = rated.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             continue;

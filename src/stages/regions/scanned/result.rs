@@ -1,24 +1,17 @@
 //! Regions of triangles from labels of vertices.
 
-use super::division::Division;
-use super::scan::{Scan, some};
+use super::division::{Division, NORMAL_DEVIATION};
+use super::model::MOST_SAMPLES;
+use super::scan::{NoisyScan, some};
+use super::seeds::FEWEST;
 use crate::geometry::{NONE, VertexId};
 use crate::mesh::EdgeMap;
 use crate::primitives::{FitOptions, PrimitiveKind, fit};
 use crate::stages::regions::{FaceRegion, FlatPairs, RegionOrigin, Regions};
 
-/// The vertices of the fit whose covariance is reported.
-const MOST_SAMPLES: usize = 20_000;
-
-/// Pieces with fewer triangles go to the regions beside them.
-const FEWEST_TRIANGLES: usize = 8;
-
-/// What the filtered normal of a triangle is off, in radians.
-const FACING_DEVIATION: f64 = 0.15;
-
-pub(super) fn gathered(scan: &Scan, edges: &EdgeMap, division: &Division) -> Regions {
+pub(super) fn gathered(scan: &NoisyScan, edges: &EdgeMap, division: &Division) -> Regions {
     let mut of_triangle = labels_of_triangles(scan, division);
-    let pieces = connected(scan, edges, division, &mut of_triangle);
+    let pieces = connected(edges, &mut of_triangle);
     let mut regions = Vec::new();
     for (label, triangles) in pieces {
         regions.extend(region(scan, division, label as usize, triangles));
@@ -47,7 +40,7 @@ pub(super) fn gathered(scan: &Scan, edges: &EdgeMap, division: &Division) -> Reg
 }
 
 /// The region of each triangle: that of its corners, or of those the one whose surface is nearest.
-fn labels_of_triangles(scan: &Scan, division: &Division) -> Vec<u32> {
+fn labels_of_triangles(scan: &NoisyScan, division: &Division) -> Vec<u32> {
     let of = |(t, corners): (usize, &[VertexId; 3])| {
         let labels = corners.map(|v| division.labels[v.index()]);
         if labels[0] == labels[1] && labels[1] == labels[2] {
@@ -61,7 +54,7 @@ fn labels_of_triangles(scan: &Scan, division: &Division) -> Vec<u32> {
                 &scan.point(corners[2].0),
             );
             let normal = model.side * model.surface.distance(middle).1;
-            let angle = normal.dot(&scan.facings[t]).clamp(-1.0, 1.0).acos() / FACING_DEVIATION;
+            let angle = normal.dot(&scan.facings[t]).clamp(-1.0, 1.0).acos() / NORMAL_DEVIATION;
             squares.iter().sum::<f64>() + angle * angle
         };
         let known = labels.into_iter().filter(|&label| label != NONE);
@@ -75,13 +68,8 @@ fn labels_of_triangles(scan: &Scan, division: &Division) -> Vec<u32> {
     scan.mesh.triangles.iter().enumerate().map(of).collect()
 }
 
-/// The connected pieces of the regions. Small ones are given to what surrounds them.
-fn connected(
-    scan: &Scan,
-    edges: &EdgeMap,
-    division: &Division,
-    of: &mut [u32],
-) -> Vec<(u32, Vec<u32>)> {
+/// The connected pieces of the regions. Those with fewer triangles than a seed has vertices are given to what surrounds them.
+fn connected(edges: &EdgeMap, of: &mut [u32]) -> Vec<(u32, Vec<u32>)> {
     let across = |t: u32| {
         let first = 3 * t as usize;
         (first..first + 3).filter_map(|side| Some(edges.across(side)? as u32 / 3))
@@ -109,9 +97,8 @@ fn connected(
         }
         all
     };
-    let _ = (scan, division);
     for (label, piece) in pieces(of) {
-        if piece.len() >= FEWEST_TRIANGLES {
+        if piece.len() >= FEWEST {
             continue;
         }
         let mut beside: Vec<u32> = piece
@@ -130,7 +117,7 @@ fn connected(
 }
 
 fn region(
-    scan: &Scan,
+    scan: &NoisyScan,
     division: &Division,
     label: usize,
     triangles: Vec<u32>,

@@ -9,11 +9,11 @@ use crate::primitives::{FitSample, Primitive};
 
 /// Normals that differ by more than this many radians at one vertex are those of a crease. Noise of a tenth of an edge
 /// turns triangles by 8°, and the filter leaves a tenth of that.
-const CREASE: f64 = 0.44;
+pub(super) const CREASE: f64 = 0.44;
 
 /// A vertex does not belong to a surface whose normal is farther from its own, in radians: the filtered normal of a
 /// vertex beside an edge is off by about as much.
-const MOST_TURN: f64 = 0.35;
+pub(super) const MOST_TURN: f64 = 0.35;
 
 /// The rounds of the filter of normals. More change no normal by more than the noise that is left.
 const FILTER_ROUNDS: usize = 12;
@@ -23,7 +23,7 @@ const FILTER_ROUNDS: usize = 12;
 const LEAST_RANGE: f64 = 0.25;
 
 /// A scan that is divided into regions.
-pub(super) struct Scan<'a> {
+pub(super) struct NoisyScan<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) noise: &'a ScanNoise,
     starts: Vec<u32>,
@@ -42,7 +42,7 @@ pub(super) struct Scan<'a> {
     most_turn: f64,
 }
 
-impl<'a> Scan<'a> {
+impl<'a> NoisyScan<'a> {
     pub(super) fn new(mesh: &'a Mesh, rings: &VertexRings, noise: &'a ScanNoise) -> Self {
         let (mut starts, mut near) = (vec![0], Vec::new());
         let mut around = Vec::new();
@@ -71,7 +71,7 @@ impl<'a> Scan<'a> {
         };
         let is_crease = (0..mesh.points.len()).into_par_iter().map(is_crease).collect();
         let [one, two] = noise.correlation;
-        Scan {
+        NoisyScan {
             starts,
             near,
             normals,

@@ -2,27 +2,23 @@
 
 use super::division::Division;
 use super::growth::{Room, bounds_of_means, grow};
-use super::scan::Scan;
+use super::scan::{CREASE, NoisyScan};
 use crate::geometry::{NONE, Vector, plane_axes};
 use nalgebra::{SMatrix, SVector};
 
-/// The radii of seeds off the creases, in rings, and of seeds anywhere.
-const WIDE_SEEDS: [usize; 5] = [7, 5, 4, 3, 2];
-const NARROW_SEEDS: [usize; 3] = [4, 3, 2];
+/// The radii of seeds, in rings. Those anywhere have the last three.
+const SEEDS: [usize; 5] = [7, 5, 4, 3, 2];
 
-/// The fewest vertices of a seed.
-const FEWEST: usize = 12;
-
-/// The vertices of a narrow seed have normals within this angle of its middle's, in radians.
-const SEED_TURN: f64 = 0.44;
+/// The fewest vertices of a seed, of a thin blend, and of a region whose kind is chosen again.
+pub(super) const FEWEST: usize = 12;
 
 /// A narrow seed is not tried if a quadric leaves so many times the noise.
 const MOST_MISFIT: f64 = 4.0;
 
 /// Searches from discs that hold neither a crease nor a vertex of another region, the widest first.
-pub(super) fn off_creases(scan: &Scan, room: &mut Room, division: &mut Division) {
+pub(super) fn off_creases(scan: &NoisyScan, room: &mut Room, division: &mut Division) {
     let means = bounds_of_means(scan);
-    for rings in WIDE_SEEDS {
+    for rings in SEEDS {
         let mut is_tried = vec![false; scan.len()];
         loop {
             let depths =
@@ -59,7 +55,7 @@ pub(super) fn off_creases(scan: &Scan, room: &mut Room, division: &mut Division)
 }
 
 /// The number of edges from each vertex to the next one of a set.
-pub(super) fn depths(scan: &Scan, is_in: impl Fn(u32) -> bool) -> Vec<u32> {
+pub(super) fn depths(scan: &NoisyScan, is_in: impl Fn(u32) -> bool) -> Vec<u32> {
     let mut depths = vec![NONE; scan.len()];
     let mut queue: Vec<u32> = (0..scan.len() as u32).filter(|&v| is_in(v)).collect();
     queue.iter().for_each(|&v| depths[v as usize] = 0);
@@ -78,9 +74,9 @@ pub(super) fn depths(scan: &Scan, is_in: impl Fn(u32) -> bool) -> Vec<u32> {
 
 /// Searches from what is left of balls around any vertex, where the normals agree. Thin faces have no vertex off the
 /// creases.
-pub(super) fn anywhere(scan: &Scan, room: &mut Room, division: &mut Division) {
+pub(super) fn anywhere(scan: &NoisyScan, room: &mut Room, division: &mut Division) {
     let means = bounds_of_means(scan);
-    for rings in NARROW_SEEDS {
+    for &rings in &SEEDS[2..] {
         let mut candidates: Vec<(f64, u32)> = Vec::new();
         for v in 0..scan.len() as u32 {
             if division.labels[v as usize] == NONE {
@@ -115,21 +111,21 @@ pub(super) fn anywhere(scan: &Scan, room: &mut Room, division: &mut Division) {
 }
 
 fn narrow_seed(
-    scan: &Scan,
+    scan: &NoisyScan,
     room: &mut Room,
     division: &Division,
     v: u32,
     rings: usize,
 ) -> Vec<u32> {
     let normal = scan.normal(v);
-    let most = SEED_TURN.cos();
+    let most = CREASE.cos();
     room.ball(scan, v, rings, |w| {
         division.labels[w as usize] == NONE && scan.normal(w).dot(&normal) > most
     })
 }
 
 /// The mean square that the best quadric over the tangent plane leaves, in variances of the noise.
-fn misfit_of_quadric(scan: &Scan, v: u32, vertices: &[u32], rings: usize) -> f64 {
+fn misfit_of_quadric(scan: &NoisyScan, v: u32, vertices: &[u32], rings: usize) -> f64 {
     let sum: Vector = vertices.iter().map(|&w| scan.normal(w)).sum();
     let Some(normal) = sum.try_normalize(0.0) else { return f64::INFINITY };
     let (x, y) = plane_axes(normal);

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-use super::scan::Scan;
+use super::scan::NoisyScan;
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::primitives::{Primitive, PrimitiveKind};
 
@@ -37,7 +37,7 @@ struct Quadric {
 }
 
 impl Neighbourhood {
-    pub(super) fn new(scan: &Scan, vertices: impl Iterator<Item = u32>) -> Self {
+    pub(super) fn new(scan: &NoisyScan, vertices: impl Iterator<Item = u32>) -> Self {
         let (points, normals): (Vec<Point>, Vec<Vector>) =
             vertices.map(|v| (scan.point(v), scan.normal(v))).unzip();
         let sum: Vector = points.iter().map(|p| p.coords).sum();
