@@ -1,11 +1,9 @@
 //! Noisy scans of parts: their faces and sizes. Smooth bodies stay what they were.
 
-mod common;
-
 use formats::Soup;
 use formats::brep::ShellId;
 use formats::step;
-use nalgebra::{Rotation3, Vector3};
+use scan2step::nalgebra::{Rotation3, Vector3};
 use scan2step::primitives::{Primitive, PrimitiveKind};
 use scan2step::{Conversion, Options, SurfaceChoice, convert};
 
@@ -86,9 +84,9 @@ fn scan(field: &Field, size: f64, edge: f64, noise: f64) -> Soup {
         let normal: f64 = (0..12).map(|_| scattered(&mut state)).sum();
         *p += gradient(field, *p).normalize() * (noise * normal);
     }
-    let mut soup = Soup::default();
-    soup.points = points.iter().map(|p| (*p).into()).collect();
-    polygons.iter().for_each(|polygon| soup.push(polygon));
+    let points = points.into_iter().map(<[f64; 3]>::from).collect();
+    let mut soup = Soup { points, ..Soup::default() };
+    polygons.into_iter().for_each(|polygon| soup.push(polygon));
     soup
 }
 
