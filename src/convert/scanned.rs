@@ -24,7 +24,7 @@ const LEAST_SIGNIFICANT: f64 = 0.05;
 
 /// The least share of the area on exact surfaces in a solid of exact faces. What is left stays triangles of the scan, which are only
 /// bearable as an exception.
-const LEAST_EXACT: f64 = 0.98;
+const LEAST_EXACT: f64 = 0.995;
 
 /// Vertices that were moved onto their surfaces lie there to so many mm, far below what modelling kernels take for exact.
 const PLACED: f64 = 1e-8;
@@ -155,7 +155,7 @@ fn body(
     let wanted = seams::Options { name: options.name.clone(), least_exact: LEAST_EXACT };
     let (mut brep, report) = match seams::solid(&mesh, &errors, patches, &wanted) {
         Ok(made) => made,
-        Err(why) => return Ok(Err(why.to_string())),
+        Err(why) => return Ok(Err(rounded(&why.to_string(), &made, mm))),
     };
     watch(Stage::Brep)?;
     let mut patches = report.patches;
@@ -204,6 +204,18 @@ fn body(
             noise: Some(noise),
         })),
     }))
+}
+
+/// Why there is no solid of exact faces, with a place whose edges are rounded for that.
+fn rounded(why: &str, made: &Sharpened, mm: f64) -> String {
+    let place = made.lost.first().map(|lost| (lost.why, lost.place * mm));
+    match place {
+        Some((lost, p)) => format!(
+            "{why}; edges are rounded, the first one near ({:.3}, {:.3}, {:.3}), where {lost}",
+            p.x, p.y, p.z
+        ),
+        None => format!("{why}; its edges are rounded"),
+    }
 }
 
 /// How far a scan is from exact faces.

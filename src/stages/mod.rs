@@ -8,7 +8,7 @@ pub mod crop;
 
 pub mod cloud;
 
-// The exact surfaces of a mesh that a CAD program made.
+// The exact surfaces of a mesh that a CAD program made, or of a noisy scan of a part.
 
 pub mod regions;
 pub mod seams;

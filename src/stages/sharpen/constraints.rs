@@ -113,38 +113,49 @@ impl Work<'_> {
         let touching = self.candidates();
         kept.extend(touching.into_iter().filter(|one| self.allows(one, fits)));
         let mut done = BTreeSet::new();
-        for mut group in groups(kept, fits.len()) {
-            for _ in 0..MOST_DROPPED {
-                if group.is_empty() || group.len() > MOST {
-                    break;
-                }
-                match self.solved(&group, fits) {
-                    Ok(motions) => {
-                        for (r, motion) in motions {
-                            if let Some(to) = fits[r].motions.moved(&motion) {
-                                self.surfaces[r].surface = to;
-                            }
-                        }
-                        let touching = group.iter().filter(|of| of.is_touching());
-                        done.extend(touching.map(Condition::pair));
-                        break;
-                    }
-                    // The condition of the surface that would move farthest that costs most is the least likely one.
-                    Err(worst) => {
-                        let is_at = |of: &Condition| {
-                            worst.is_none_or(|worst| of.first == worst || of.second == worst)
-                        };
-                        let cost = |&k: &usize| self.price(&group[k], fits);
-                        let dropped = (0..group.len())
-                            .filter(|&k| is_at(&group[k]))
-                            .max_by(|i, j| cost(i).total_cmp(&cost(j)));
-                        let Some(dropped) = dropped else { break };
-                        group.remove(dropped);
-                    }
+        let mut left = groups(kept, fits.len());
+        while let Some(group) = left.pop() {
+            let Some((group, motions)) = self.largest_part(group.clone(), fits) else {
+                // Tangent neighbours are worth more than directions: without them there are no edges.
+                let is_mixed = group.iter().any(|of| !of.is_touching());
+                let touching = group.into_iter().filter(Condition::is_touching).collect();
+                left.extend(if is_mixed { groups(touching, fits.len()) } else { Vec::new() });
+                continue;
+            };
+            for (r, motion) in motions {
+                if let Some(to) = fits[r].motions.moved(&motion) {
+                    self.surfaces[r].surface = to;
                 }
             }
+            done.extend(group.iter().filter(|of| of.is_touching()).map(Condition::pair));
         }
         done
+    }
+
+    /// The conditions of a group that can be met together, and the motions for that. `None` if too many contradict the others.
+    fn largest_part(
+        &self,
+        mut group: Vec<Condition>,
+        fits: &[FittedSurface],
+    ) -> Option<(Vec<Condition>, BTreeMap<usize, MotionRow>)> {
+        for _ in 0..MOST_DROPPED {
+            if group.is_empty() || group.len() > MOST {
+                return None;
+            }
+            let worst = match self.solved(&group, fits) {
+                Ok(motions) => return Some((group, motions)),
+                Err(worst) => worst,
+            };
+            // The condition of the surface that would move farthest that costs most is the least likely one.
+            let is_at =
+                |of: &Condition| worst.is_none_or(|worst| of.first == worst || of.second == worst);
+            let costs: Vec<f64> = group.iter().map(|of| self.price(of, fits)).collect();
+            let dropped = (0..group.len())
+                .filter(|&k| is_at(&group[k]))
+                .max_by(|&i, &j| costs[i].total_cmp(&costs[j]))?;
+            group.remove(dropped);
+        }
+        None
     }
 
     /// Parallel and perpendicular directions, and axes on one line. Each surface is compared with those before it, the best known

@@ -40,7 +40,7 @@ pub struct Options {
 
 /// A place where an edge could not be made.
 #[derive(Debug, Clone)]
-pub struct Lost {
+pub struct LostPlace {
     /// The place, in the unit of the mesh.
     pub place: Point,
     /// The number of triangles that lost their region.
@@ -63,7 +63,7 @@ pub struct Sharpened {
     /// The number of pairs of surfaces that touch.
     pub touching: usize,
     /// Where triangles lost their region.
-    pub lost: Vec<Lost>,
+    pub lost: Vec<LostPlace>,
 }
 
 /// The mesh with what all steps need.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::{DMatrix, DVector};
 
 use super::borders::Border;
-use super::{Lost, Work};
+use super::{LostPlace, Work};
 use crate::geometry::{NONE, Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::primitives::Primitive;
@@ -40,7 +40,7 @@ impl Work<'_> {
     pub(super) fn place(
         &mut self,
         touching: &BTreeSet<[u32; 2]>,
-        lost: &mut Vec<Lost>,
+        lost: &mut Vec<LostPlace>,
     ) -> (Mesh, Vec<u32>) {
         let mut points = self.mesh.points.clone();
         for round in 0..=ROUNDS {
@@ -59,7 +59,11 @@ impl Work<'_> {
                     self.of[t as usize] = NONE;
                 }
                 if count > 0 {
-                    lost.push(Lost { place: self.mesh.points[v as usize], triangles: count, why });
+                    lost.push(LostPlace {
+                        place: self.mesh.points[v as usize],
+                        triangles: count,
+                        why,
+                    });
                 }
             }
         }

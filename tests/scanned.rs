@@ -1,0 +1,140 @@
+//! Noisy scans of parts: their faces and sizes. Smooth bodies stay what they were.
+
+use formats::Soup;
+use formats::brep::ShellId;
+use formats::step;
+use scan2step::nalgebra::{Rotation3, Vector3};
+use scan2step::primitives::{Primitive, PrimitiveKind};
+use scan2step::{Conversion, Options, SurfaceChoice, convert};
+
+type Field = dyn Fn(Vector3<f64>) -> f64;
+
+/// Numbers that look random, from -0.5 to 0.5.
+fn scattered(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+}
+
+fn gradient(field: &Field, p: Vector3<f64>) -> Vector3<f64> {
+    let h = 1e-5;
+    let along = |e: Vector3<f64>| (field(p + h * e) - field(p - h * e)) / (2.0 * h);
+    Vector3::new(along(Vector3::x()), along(Vector3::y()), along(Vector3::z()))
+}
+
+/// The surface on which a field is zero, as a scanner sees it: no vertex lies on an edge, and all have noise along the normal. The grid
+/// of surface nets is cubic, from `-size` to `size`.
+fn scan(field: &Field, size: f64, edge: f64, noise: f64) -> Soup {
+    let n = (2.0 * size / edge).ceil() as usize;
+    let at = |i: [usize; 3]| Vector3::from(i.map(|k| k as f64 * edge - size));
+    let index = |i: [usize; 3]| (i[2] * (n + 1) + i[1]) * (n + 1) + i[0];
+    let mut values = vec![0.0; (n + 1).pow(3)];
+    for (z, y, x) in
+        (0..=n).flat_map(|z| (0..=n).flat_map(move |y| (0..=n).map(move |x| (z, y, x))))
+    {
+        values[index([x, y, z])] = field(at([x, y, z]));
+    }
+    let mut number = vec![u32::MAX; (n + 1).pow(3)];
+    let mut points: Vec<Vector3<f64>> = Vec::new();
+    for (z, y, x) in (0..n).flat_map(|z| (0..n).flat_map(move |y| (0..n).map(move |x| (z, y, x)))) {
+        let corners: Vec<[usize; 3]> =
+            (0..8).map(|k| [x + (k & 1), y + (k >> 1 & 1), z + (k >> 2)]).collect();
+        let (mut sum, mut count) = (Vector3::zeros(), 0.0);
+        for (a, b) in (0..8).flat_map(|a| (a + 1..8).map(move |b| (a, b))) {
+            let (u, v) = (values[index(corners[a])], values[index(corners[b])]);
+            if (a ^ b).count_ones() == 1 && (u < 0.0) != (v < 0.0) {
+                sum += at(corners[a]) + (at(corners[b]) - at(corners[a])) * (u / (u - v));
+                count += 1.0;
+            }
+        }
+        if count > 0.0 {
+            number[index([x, y, z])] = points.len() as u32;
+            points.push(sum / count);
+        }
+    }
+    let mut polygons: Vec<[u32; 3]> = Vec::new();
+    for (z, y, x) in (1..n).flat_map(|z| (1..n).flat_map(move |y| (1..n).map(move |x| (z, y, x)))) {
+        for axis in 0..3 {
+            let mut next = [x, y, z];
+            next[axis] += 1;
+            let (u, v) = (values[index([x, y, z])], values[index(next)]);
+            if (u < 0.0) == (v < 0.0) {
+                continue;
+            }
+            let cell = |a: usize, b: usize| {
+                let mut at = [x, y, z];
+                at[(axis + 1) % 3] -= a;
+                at[(axis + 2) % 3] -= b;
+                number[index(at)]
+            };
+            let mut quad = [cell(0, 0), cell(1, 0), cell(1, 1), cell(0, 1)];
+            if u >= 0.0 {
+                quad.reverse();
+            }
+            polygons.push([quad[0], quad[1], quad[2]]);
+            polygons.push([quad[0], quad[2], quad[3]]);
+        }
+    }
+    let mut state = 7;
+    for p in &mut points {
+        for _ in 0..4 {
+            let g = gradient(field, *p);
+            *p -= g * (field(*p) / g.norm_squared().max(1e-9));
+        }
+        // The sum of twelve has a standard deviation of one.
+        let normal: f64 = (0..12).map(|_| scattered(&mut state)).sum();
+        *p += gradient(field, *p).normalize() * (noise * normal);
+    }
+    let points = points.into_iter().map(<[f64; 3]>::from).collect();
+    let mut soup = Soup { points, ..Soup::default() };
+    polygons.into_iter().for_each(|polygon| soup.push(polygon));
+    soup
+}
+
+fn converted(soup: &Soup, surfaces: SurfaceChoice) -> Conversion {
+    let options = Options::builder().surfaces(surfaces).build().expect("options");
+    convert(soup, &options, &mut |_| Ok(())).expect("a conversion")
+}
+
+#[test]
+fn a_scanned_block_with_a_bore_becomes_exact() {
+    let turn = Rotation3::from_euler_angles(0.4, 0.3, 0.9);
+    let half = Vector3::new(14.0, 10.0, 6.0);
+    let field = move |p: Vector3<f64>| {
+        let q = turn * p;
+        let block = (q.abs() - half).max();
+        block.max(5.0 - q.x.hypot(q.y))
+    };
+    let noise = 0.05;
+    let made = converted(&scan(&field, 19.0, 0.7, noise), SurfaceChoice::Auto);
+    assert_eq!(made.fallback, None);
+    let body = made.into_body().expect("one body");
+    let exact = body.exact().expect("exact faces");
+    let count = |kind| exact.faces.iter().filter(|face| face.surface.kind() == kind).count();
+    let kinds = [PrimitiveKind::Plane, PrimitiveKind::Cylinder].map(count);
+    assert_eq!((exact.faces.len(), kinds, exact.facets), (7, [6, 1], 0));
+    let radius = exact.faces.iter().find_map(|face| match face.surface {
+        Primitive::Cylinder { radius, .. } => Some(radius),
+        _ => None,
+    });
+    assert!((radius.expect("a bore") - 5.0).abs() < 0.2 * noise, "{radius:?}");
+    let volume = body.brep.volume(ShellId(0));
+    let wanted = 8.0 * half.product() - std::f64::consts::PI * 25.0 * 12.0;
+    assert!((volume / wanted - 1.0).abs() < 1e-3, "{volume} of {wanted}");
+    assert!(body.deviation.rms < 1.2 * noise, "{}", body.deviation.rms);
+}
+
+#[test]
+fn a_smooth_scan_keeps_its_splines() {
+    let field = |p: Vector3<f64>| {
+        p.norm() - 8.0 - 0.9 * (0.5 * p.x).sin() * (0.6 * p.y + 1.0).sin() * (0.4 * p.z + 2.0).sin()
+    };
+    let soup = scan(&field, 10.0, 0.8, 0.05);
+    let [auto, spline] = [SurfaceChoice::Auto, SurfaceChoice::Spline].map(|surfaces| {
+        let mut file = Vec::new();
+        let made = converted(&soup, surfaces);
+        assert_eq!(made.fallback, None);
+        step::write(&made.parts[0].brep, &step::Options::default(), &mut file).expect("a file");
+        file
+    });
+    assert!(auto == spline, "{} and {} bytes", auto.len(), spline.len());
+}
