@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use common::importers::opencascade_assembly;
-use common::{arg, convert, converted, inspect, json, shared};
+use common::{arg, assert_schema, check, convert, converted, fixture, inspect, json, shared};
 use serde_json::Value;
 
 /// A box in OBJ, whose first vertex has the number `first`.
@@ -126,11 +126,10 @@ fn the_user_chooses_parts() {
         let said = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(!refused.status.success() && said.contains(word), "{said}");
     }
-    // What cannot be written of an assembly is written of one mesh, and that is said.
-    let iges = folder.path().join("out.igs");
-    let said = converted(&[arg(&scan), arg(&iges)]);
-    assert!(said.contains("parts: all as one mesh, as IGES files have no parts yet"), "{said}");
-    let refused = convert(&[arg(&scan), arg(&iges), "--parts", "keep"]);
+    // What cannot be done with an assembly is done with one mesh, and that is said.
+    let said = converted(&[arg(&scan), arg(&step), "--component", "0"]);
+    assert!(said.contains("parts: all as one mesh, as a place or a component"), "{said}");
+    let refused = convert(&[arg(&scan), arg(&step), "--component", "0", "--parts", "keep"]);
     assert_eq!(refused.status.code(), Some(1));
 }
 
@@ -218,5 +217,241 @@ fn made_assemblies_are_what_was_designed() {
                 assert_eq!(place["product"], row[2]);
             }
         }
+    }
+}
+
+/// The parts of the pipe joint: volumes in mm³ and colours.
+const JOINT: [(&str, f64, [f64; 3]); 3] = [
+    // 60 × 60 × 8 without a bore of 12 and four of 3.3.
+    (
+        "flange",
+        28800.0 - 8.0 * std::f64::consts::PI * (144.0 + 4.0 * 3.3 * 3.3),
+        [70.0, 110.0, 160.0],
+    ),
+    // Head, shank and a frustum of 0.5.
+    (
+        "bolt",
+        std::f64::consts::PI * (100.0 + 9.0 * 23.5 + 0.5 * (9.0 + 7.5 + 6.25) / 3.0),
+        [200.0, 160.0, 60.0],
+    ),
+    // A hexagon of 10 across, whose corners have five digits, without a bore of 3. Flat sides stay flat.
+    ("nut", 5.0 * (86.6025 - 9.0 * std::f64::consts::PI), [90.0, 90.0, 96.0]),
+];
+
+/// Asserts that a file has the pipe joint, with z up, and returns how many products it has. Components of 3MF have no
+/// names, so that the places have those of the parts.
+fn assert_joint(file: &Path, has_names: bool) -> usize {
+    let found = opencascade_assembly(file);
+    assert_eq!((&found["root"], &found["roots"]), (&"pipe joint".into(), &1.into()), "{found}");
+    let places = found["places"].as_array().expect("places");
+    assert_eq!(places.len(), 10);
+    let is_ascii = file.extension().is_some_and(|extension| extension == "igs");
+    for (number, place) in places.iter().enumerate() {
+        let (inner, part, z) = match number {
+            0 => (vec!["lower flange".to_owned()], 0, -4.0),
+            1 => (vec!["upper flange".to_owned()], 0, 4.0),
+            _ => {
+                let screw = format!("Schraube {} für \u{201e}oben\u{201c}", number / 2);
+                let (name, part) = [("bolt", 1), ("nut", 2)][number % 2];
+                (vec![screw, name.to_owned()], part, f64::NAN)
+            }
+        };
+        let inner = match (has_names, part) {
+            (true, _) => inner,
+            (false, 0) => vec!["flange".to_owned()],
+            (false, _) => vec!["screw".to_owned(), JOINT[part].0.to_owned()],
+        };
+        let plain = |c: char| if is_ascii && !c.is_ascii() { '_' } else { c };
+        let path: Vec<String> = std::iter::once("pipe joint".to_owned()).chain(inner).collect();
+        let path: Vec<String> = path.iter().map(|name| name.chars().map(plain).collect()).collect();
+        let (name, volume, colour) = JOINT[part];
+        assert_eq!(place["path"], Value::from(path));
+        assert_eq!((&place["product"], &place["valid"]), (&name.into(), &true.into()), "{place}");
+        let value = |at: &str| place.pointer(at).and_then(Value::as_f64).expect("a number");
+        assert!((value("/volume") / volume - 1.0).abs() < 1e-6, "{place}, not {volume}");
+        for k in 0..3 {
+            assert!((value(&format!("/colour/{k}")) - colour[k] / 255.0).abs() < 0.004, "{place}");
+        }
+        if part == 0 {
+            assert!((value("/centre/2") - z).abs() < 1e-4, "{place}");
+        } else {
+            assert!((value("/centre/0").abs() - 22.0).abs() < 1e-4, "{place}");
+            assert!((value("/centre/1").abs() - 22.0).abs() < 1e-4, "{place}");
+        }
+    }
+    found["products"].as_array().map_or(0, Vec::len)
+}
+
+/// The same design in two formats becomes the same assembly in two formats, which `check` finds true.
+#[test]
+fn a_joint_keeps_its_tree_in_all_formats() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for scan in ["joint.glb", "joint.3mf"] {
+        let file = |extension: &str| folder.path().join(format!("{scan}.{extension}"));
+        let [step, iges, report] = ["step", "igs", "json"].map(file);
+        let args = [arg(&fixture(scan)), "--up", "z", "--iges", "brep"].map(str::to_owned);
+        let files = [arg(&step), arg(&iges), "--report", arg(&report)].map(str::to_owned);
+        let args: Vec<&str> =
+            args[..1].iter().chain(&files).chain(&args[1..]).map(String::as_str).collect();
+        converted(&args);
+        // Three parts, one group for all screws, and the whole.
+        let has_names = scan == "joint.glb";
+        assert_eq!(assert_joint(&step, has_names), 5);
+        assert_joint(&iges, has_names);
+        assert_schema(&json(&report));
+        for cad in [&step, &iges] {
+            let checked = check(&[
+                arg(cad),
+                arg(&fixture(scan)),
+                "--up",
+                "z",
+                "--tolerance",
+                "0.0001",
+                "--json",
+            ]);
+            let said = String::from_utf8_lossy(&checked.stdout).into_owned();
+            // The walls of bores are flat in the mesh and round in the part, so samples of them are off.
+            let found: Value = serde_json::from_str(&said).expect("JSON");
+            let parts = found["parts"].as_array().expect("parts");
+            let places = |part: &Value| part["places"].as_array().map_or(0, Vec::len);
+            assert_eq!(parts.iter().map(places).collect::<Vec<_>>(), [2, 4, 4]);
+            for place in parts.iter().flat_map(|part| part["places"].as_array().expect("places")) {
+                assert!(place["max_mm"].as_f64().is_some_and(|max| max < 1e-4), "{place}");
+            }
+        }
+    }
+}
+
+/// A place that is moved in the CAD file shows.
+#[test]
+fn check_finds_a_moved_place() {
+    let (folder, scan) = folder();
+    let step = folder.path().join("boxes.step");
+    converted(&[arg(&scan), arg(&step)]);
+    let moved = text(&step).replace("CARTESIAN_POINT('',(50.", "CARTESIAN_POINT('',(51.");
+    fs::write(&step, moved).expect("a file");
+    let found = check(&[arg(&step), arg(&scan), "--json"]);
+    let found: Value = serde_json::from_slice(&found.stdout).expect("JSON");
+    let max = |part: usize, place: usize| {
+        found["parts"][part]["places"][place]["max_mm"].as_f64().expect("a number")
+    };
+    assert!(max(0, 0) < 1e-6 && max(1, 0) < 1e-6, "{found}");
+    assert!((max(0, 1) - 1.0).abs() < 1e-6, "{found}");
+}
+
+#[test]
+fn an_assembly_has_pages_pictures_and_stages() {
+    let (folder, scan) = folder();
+    let file = |name: &str| folder.path().join(name);
+    let [step, page, picture, report, stages] =
+        ["a.step", "a.html", "a.png", "a.json", "stages"].map(file);
+    let of_report = |path: &Path| ["--report".to_owned(), arg(path).to_owned()];
+    let mut args = vec![arg(&scan).to_owned(), arg(&step).to_owned()];
+    [&page, &picture, &report].into_iter().for_each(|path| args.extend(of_report(path)));
+    args.extend(["--stages".to_owned(), arg(&stages).to_owned()]);
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    converted(&args);
+    assert_schema(&json(&report));
+    let page = text(&page);
+    for words in ["left</a>", "lid&#x27;);#1</a>", "left / right", "2 parts in 3 places", "#ff0000"]
+    {
+        let words = if words == "left / right" { "right" } else { words };
+        assert!(page.contains(words), "no {words:?} in the page");
+    }
+    assert!(!page.contains("<script"));
+    assert!(fs::read(&picture).expect("a picture").starts_with(b"\x89PNG"));
+    for part in ["part-0", "part-1"] {
+        assert!(stages.join(part).join("1-mesh.ply").exists(), "{part}");
+    }
+}
+
+/// A box leaves out parts, and cuts others where they are.
+#[test]
+fn a_box_acts_on_parts_in_their_places() {
+    let (folder, scan) = folder();
+    let step = folder.path().join("out.step");
+    let of = |corners: &str| {
+        converted(&[arg(&scan), arg(&step), "--box", corners]);
+        let file = text(&step);
+        ["MANIFOLD_SOLID_BREP", "NEXT_ASSEMBLY_USAGE_OCCURRENCE"].map(|entity| count(&file, entity))
+    };
+    assert_eq!(of("-1,-1,-1;100,100,35"), [1, 2]);
+    assert_eq!(of("-1,-1,-1;100,100,100"), [2, 3]);
+    assert_eq!(of("40,-1,-1;100,100,35"), [1, 1]);
+}
+
+/// A cube with a red top becomes a grey solid with a red face, alone and in an assembly.
+#[test]
+fn faces_have_the_colours_of_their_triangles() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scan = folder.path().join("cube.obj");
+    let cube = |first: usize, x: f64| {
+        let text = obj_box([x, 0.0, 0.0], [10.0, 20.0, 30.0], first);
+        let (points, faces) = text.split_at(text.find('f').expect("faces"));
+        let faces: Vec<&str> = faces.lines().collect();
+        let (below, top, rest) = (faces[0], faces[1], faces[2..].join("\n"));
+        format!("{points}usemtl grey\n{below}\n{rest}\nusemtl red\n{top}\n")
+    };
+    let colours = "newmtl grey\nKd 0.5 0.5 0.5\nnewmtl red\nKd 1 0 0\n";
+    fs::write(folder.path().join("cube.mtl"), colours).expect("colours");
+    for (count_of_parts, body) in
+        [(1, cube(1, 0.0)), (2, format!("o a\n{}o b\n{}", cube(1, 0.0), cube(9, 50.0)))]
+    {
+        fs::write(&scan, format!("mtllib cube.mtl\n{body}")).expect("a scan");
+        let [step, iges] = ["cube.step", "cube.igs"].map(|name| folder.path().join(name));
+        converted(&[arg(&scan), arg(&step), arg(&iges)]);
+        let file = text(&step);
+        assert_eq!(count(&file, "STYLED_ITEM"), 2, "the body and its top");
+        assert_eq!(count(&file, "MANIFOLD_SOLID_BREP"), 1);
+        assert_eq!(
+            count(&file, "NEXT_ASSEMBLY_USAGE_OCCURRENCE"),
+            if count_of_parts == 2 { 2 } else { 0 }
+        );
+        let found = opencascade_assembly(&step);
+        assert_eq!(found["face_colours"], 1, "{found}");
+        assert_eq!(text(&iges).matches("\n     314 ").count(), 4, "two colours of two lines");
+    }
+}
+
+/// Objects that differ only in their colour are one part, and the place has the colour.
+#[test]
+fn a_place_can_have_a_colour_of_its_own() {
+    let (folder, scan) = folder();
+    let step = folder.path().join("boxes.step");
+    let mut lines: Vec<String> = boxes().lines().map(str::to_owned).collect();
+    let right = lines.iter().position(|line| line == "o right").expect("the box");
+    lines[right + 1] = "usemtl blue".into();
+    fs::write(&scan, lines.join("\n")).expect("a scan");
+    converted(&[arg(&scan), arg(&step)]);
+    let file = text(&step);
+    assert_eq!(count(&file, "MANIFOLD_SOLID_BREP"), 2);
+    assert_eq!(count(&file, "OVER_RIDING_STYLED_ITEM"), 1);
+    let found = opencascade_assembly(&step);
+    let colour = |place: usize| {
+        let of = |k: usize| found["places"][place]["colour"][k].as_f64().expect("a number").round();
+        [of(0), of(1), of(2)]
+    };
+    assert_eq!([0, 1, 2].map(colour), [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]);
+}
+
+/// glTF's y becomes z, of a single mesh as well.
+#[test]
+fn up_turns_the_result() {
+    let (folder, scan) = folder();
+    let step = folder.path().join("boxes.step");
+    converted(&[arg(&scan), arg(&step), "--up", "y"]);
+    let found = opencascade_assembly(&step);
+    let centre = &found["places"][2]["centre"];
+    let expected = [30.0, 41.0, -10.0];
+    assert!(
+        (0..3).all(|k| (centre[k].as_f64().expect("a number") - expected[k]).abs() < 1e-6),
+        "{centre}"
+    );
+    for (parts, name) in
+        [("merge", "merged.step"), ("name:lid');#1", "lid.step"), ("0", "left.step")]
+    {
+        let step = folder.path().join(name);
+        converted(&[arg(&scan), arg(&step), "--up", "y", "--parts", parts]);
+        assert!(!text(&step).contains("CARTESIAN_POINT('',(10.,20.,"), "{parts}");
     }
 }

@@ -194,17 +194,8 @@ impl Conversion {
         colour: Option<[u8; 3]>,
         time_stamp: String,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let schemas = [
-            ("ap203", step::Schema::Ap203),
-            ("ap214", step::Schema::Ap214),
-            ("ap242", step::Schema::Ap242),
-        ];
-        let options = step::Options {
-            schema: options::word("schema", schema, &schemas)?,
-            colour: colour.or(self.made.colour),
-            time_stamp,
-            originating_system: system(),
-        };
+        let colour = colour.or(self.made.colour);
+        let options = step::Options { colour, ..step_options(schema, time_stamp)? };
         let bytes = run::run(py, None, None, |_| {
             let mut bytes = Vec::new();
             step::write(self.brep(), &options, &mut bytes)?;
@@ -221,14 +212,8 @@ impl Conversion {
         time_stamp: String,
         file_name: String,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let forms = [("trimmed", iges::Form::Trimmed), ("brep", iges::Form::Brep)];
-        let options = iges::Options {
-            form: options::word("form", form, &forms)?,
-            colour: colour.or(self.made.colour),
-            time_stamp,
-            file_name,
-            originating_system: system(),
-        };
+        let colour = colour.or(self.made.colour);
+        let options = iges::Options { colour, ..iges_options(form, time_stamp, file_name)? };
         let bytes = run::run(py, None, None, |_| {
             let mut bytes = Vec::new();
             iges::write(self.brep(), &options, &mut bytes)?;
@@ -252,6 +237,26 @@ impl Conversion {
         let bytes = run::run(py, None, None, |_| self.reporting(|_, _, still| Ok(still.to_vec())))?;
         Ok(PyBytes::new(py, &bytes))
     }
+}
+
+/// The options of a STEP file without a colour.
+pub fn step_options(schema: &str, time_stamp: String) -> PyResult<step::Options> {
+    let schemas = [
+        ("ap203", step::Schema::Ap203),
+        ("ap214", step::Schema::Ap214),
+        ("ap242", step::Schema::Ap242),
+    ];
+    let schema = options::word("schema", schema, &schemas)?;
+    let originating_system = system();
+    Ok(step::Options { schema, time_stamp, originating_system, ..Default::default() })
+}
+
+/// The options of an IGES file without a colour.
+pub fn iges_options(form: &str, time_stamp: String, file_name: String) -> PyResult<iges::Options> {
+    let forms = [("trimmed", iges::Form::Trimmed), ("brep", iges::Form::Brep)];
+    let form = options::word("form", form, &forms)?;
+    let originating_system = system();
+    Ok(iges::Options { form, time_stamp, file_name, originating_system, ..Default::default() })
 }
 
 /// The system that files name as theirs.

@@ -5,25 +5,26 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use formats::{Assembly, Brep, iges, step};
+use scan2step::PartColours;
 
 use super::args::{CadFile, CadKind, Convert, Iges, StepSchema};
 use super::output::{self, Pending};
 use super::{Failure, streams};
 
 /// Writes a model into every file that was asked for.
-pub fn write(
-    args: &Convert,
-    brep: &Brep,
-    colour: Option<[u8; 3]>,
-) -> Result<Vec<Pending>, Failure> {
+pub fn write(args: &Convert, brep: &Brep, colours: &PartColours) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp()?;
-    let step_options = step::Options { colour, ..step_options(args, &stamp) };
+    let (colour, face_colours) = (colours.part, colours.faces.clone());
+    let step_options =
+        step::Options { colour, face_colours: face_colours.clone(), ..step_options(args, &stamp) };
     let mut files = Vec::new();
     for CadFile { path, kind } in &args.out {
         let content = |out: &mut dyn Write| match kind {
             CadKind::Step => step::write(brep, &step_options, out),
             CadKind::Iges => {
-                let options = iges::Options { colour, ..iges_options(args, &stamp, path) };
+                let face_colours = face_colours.clone();
+                let of_file = iges_options(args, &stamp, path);
+                let options = iges::Options { colour, face_colours, ..of_file };
                 iges::write(brep, &options, out)
             }
         };
@@ -32,11 +33,16 @@ pub fn write(
     Ok(files)
 }
 
-/// Writes an assembly into every STEP file that was asked for.
+/// Writes an assembly into every file that was asked for.
 pub(crate) fn write_assembly(args: &Convert, assembly: &Assembly) -> Result<Vec<Pending>, Failure> {
-    let options = step_options(args, &time_stamp()?);
-    let content = |out: &mut dyn Write| step::write_assembly(assembly, &options, out);
-    let write = |file: &CadFile| Ok(output::write(&file.path, content)?);
+    let stamp = time_stamp()?;
+    let write = |CadFile { path, kind }: &CadFile| {
+        let content = |out: &mut dyn Write| match kind {
+            CadKind::Step => step::write_assembly(assembly, &step_options(args, &stamp), out),
+            CadKind::Iges => iges::write_assembly(assembly, &iges_options(args, &stamp, path), out),
+        };
+        Ok(output::write(path, content)?)
+    };
     args.out.iter().map(write).collect()
 }
 

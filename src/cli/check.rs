@@ -2,15 +2,16 @@
 
 use std::io::stdin;
 
-use formats::cad::{read_cad, read_cad_stream};
-use scan2step::check;
-use scan2step::report::{CheckFigures, DistanceFigures, MeasuredComponents};
+use formats::SceneContent;
+use formats::cad::{CadModel, read_cad, read_cad_stream};
+use scan2step::report::{CheckFigures, DistanceFigures, MeasuredComponents, ScanSource};
 use scan2step::words::{box_extents, grouped, mm, plain_mm, plural};
+use scan2step::{SceneParts, check};
 
 use super::args::{Check, ComponentChoice, Origin, cad_file};
 use super::input::{self, ReadScan};
 use super::paragraphs::wrapped;
-use super::{Failure, Outcome, streams};
+use super::{Failure, Outcome, assembly, streams};
 
 /// Reads the CAD file and the scan, measures them against each other, and prints the result.
 pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
@@ -23,7 +24,12 @@ pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
         return Err(Failure { error, help });
     }
     let model = if args.cad.is_stdin { read_cad_stream(cad, stdin())? } else { read_cad(cad)? };
-    let scan = ReadScan::read(&args.piece)?;
+    let content = input::read_content(&args.piece)?;
+    let content = match assembly_of(args, content)? {
+        Ok(parts) => return check_parts(args, &model, parts),
+        Err(content) => content,
+    };
+    let scan = ReadScan::of(&args.piece, content)?;
     let outer = scan.outer(&args.piece)?;
     let options = ReadScan::options(&args.piece)?;
     let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
@@ -45,7 +51,51 @@ pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
     let cad = (args.cad.name.display().to_string(), &model);
     let scan = (&scan.source, parts);
     let figures = CheckFigures::of(&found, cad, scan, args.tolerance, args.outliers);
-    let text = if args.look.json { figures.to_json() } else { as_text(args, &figures) };
+    tell(args, &figures)
+}
+
+/// The parts of the scan, if it is an assembly and no component of all meshes is named. Otherwise its content.
+fn assembly_of(
+    args: &Check,
+    content: SceneContent,
+) -> Result<Result<SceneParts, SceneContent>, Failure> {
+    let names_component = args.component != ComponentChoice::Largest || args.piece.outer.is_some();
+    let SceneContent::Scene(scene) = content else { return Ok(Err(content)) };
+    let split = scene.split_groups();
+    let count = split.as_ref().unwrap_or(&scene).place_count();
+    if count < 2 || names_component || args.piece.cloud.remesh {
+        return Ok(Err(SceneContent::Scene(scene)));
+    }
+    let options = ReadScan::options(&args.piece)?;
+    let (whole, scene) = match split {
+        Some(split) => (Some(scene), split),
+        None => (None, scene),
+    };
+    let parts = assembly::parts_of(scene, &options, false);
+    let parts = parts.map_err(|e| input::stopped(&args.piece.scan.name, &e))?;
+    Ok(parts.map_err(|scene| SceneContent::Scene(whole.unwrap_or(scene))))
+}
+
+/// Measures all parts in their places.
+fn check_parts(args: &Check, model: &CadModel, parts: SceneParts) -> Result<Outcome, Failure> {
+    let stopped = |e| input::stopped(&args.piece.scan.name, &e);
+    let options = ReadScan::options(&args.piece)?;
+    let scene = parts.measured(&options).map_err(stopped)?;
+    let found = check::check(model, &scene.mesh, None);
+    let found = found.map_err(|e| input::stopped(&args.cad.name, &e))?;
+    let soup = scene.scene.meshes().first().map(|mesh| mesh.soup.clone()).unwrap_or_default();
+    let source = ScanSource::of(args.piece.scan.name.display().to_string(), &soup, &options);
+    let of_scan =
+        MeasuredComponents { all: scene.components, measured: scene.components, left_out: 0 };
+    let cad = (args.cad.name.display().to_string(), model);
+    let scan = (&source, of_scan);
+    let figures = CheckFigures::of(&found, cad, scan, args.tolerance, args.outliers);
+    tell(args, &figures.of_parts(&found, &scene))
+}
+
+/// Prints the figures, and says whether the tolerance is met.
+fn tell(args: &Check, figures: &CheckFigures) -> Result<Outcome, Failure> {
+    let text = if args.look.json { figures.to_json() } else { as_text(args, figures) };
     streams::print(text.as_bytes())?;
     if figures.tolerance_met != Some(false) {
         return Ok(Outcome::Done);
@@ -119,6 +169,23 @@ fn as_text(args: &Check, figures: &CheckFigures) -> String {
         format!("  scan to face  {}", direction(&figures.scan_to_face, "point")),
         format!("  face to scan  {}", direction(&figures.face_to_scan, "sample")),
     ]);
+    for part in figures.parts.iter().flatten() {
+        let worst = part
+            .places
+            .iter()
+            .max_by(|a, b| a.distances.deviation.max_mm.total_cmp(&b.distances.deviation.max_mm));
+        if let Some(worst) = worst {
+            let places = plural(part.places.len(), "place");
+            let d = &worst.distances.deviation;
+            lines.push(format!(
+                "  part          {}, in {places}: rms {}, max {} in {}",
+                part.name,
+                mm(d.rms_mm),
+                mm(d.max_mm),
+                worst.path.join(" / ")
+            ));
+        }
+    }
     lines.extend(figures.hints.iter().map(|hint| format!("  hint          {hint}")));
     lines.iter().map(|line| wrapped(line, INDENT) + "\n").collect()
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use scan2step::mesh::{Components, Repairs};
 use scan2step::report::{OutputFile, Report, ReportView, ScanSource, StageFigures, ViewRecorder};
 use scan2step::words::plural;
-use scan2step::{Conversion, Memory, Options, Stage, is_same_file};
+use scan2step::{Conversion, Memory, Options, PartColours, Stage, is_same_file};
 
 use super::args::{CadKind, Convert, Iges, ShapeChoice};
 use super::input::{self, ReadScan};
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
     let mut progress = ProgressDisplay::new(voice, args.manner.verbose, args.progress);
     let scan = match parts::chosen(args, input::read_content(&args.piece)?, &progress)? {
-        Chosen::Assembly(scene) => return assembly::run(args, &scene, progress),
+        Chosen::Assembly(parts) => return assembly::run(args, parts, progress),
         Chosen::One(content) => ReadScan::of(&args.piece, content)?,
     };
     let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
@@ -73,8 +73,16 @@ fn write(
     repaired: &Repairs,
 ) -> Result<Outcome, Failure> {
     let Run { args, mut progress, stages, views, given, .. } = run;
-    let brep = &conversion.parts[0].brep;
-    let files = cad::write(args, brep, scan.colour)?;
+    let part = &conversion.parts[0];
+    let colours = match &scan.painted {
+        Some(mesh) => PartColours::of(mesh, scan.source.unit.in_mm(), part),
+        None => PartColours { part: scan.colour, ..PartColours::default() },
+    };
+    if colours.mixed > 0 {
+        let faces = plural(colours.mixed, "face");
+        progress.say(&format!("colours: {faces} of several colours gets that of most of its area"));
+    }
+    let files = cad::write(args, &part.brep, &colours)?;
     progress.ended("write", "");
     for body in conversion.bodies() {
         let at_rims = body.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
@@ -101,10 +109,15 @@ fn write(
 
 /// Says so if an IGES file has the faces of a solid or shell, but not what joins them.
 fn loose_surfaces(args: &Convert, conversion: &Conversion) -> Option<String> {
-    let is_iges = args.out.iter().any(|file| file.kind == CadKind::Iges);
     let is_joined = conversion.bodies().any(|body| body.network().is_some());
-    (is_iges && is_joined && matches!(args.how.iges, Iges::Trimmed)).then(|| {
-        let faces: usize = conversion.bodies().map(|body| body.brep.faces.len()).sum();
+    let faces = conversion.bodies().map(|body| body.brep.faces.len()).sum();
+    loose_faces(args, is_joined, faces)
+}
+
+/// The same for so many faces, which may be joined.
+pub(super) fn loose_faces(args: &Convert, are_joined: bool, faces: usize) -> Option<String> {
+    let is_iges = args.out.iter().any(|file| file.kind == CadKind::Iges);
+    (is_iges && are_joined && matches!(args.how.iges, Iges::Trimmed)).then(|| {
         let faces = plural(faces, "trimmed surface");
         format!("the IGES file holds {faces} that nothing joins; --iges brep writes them joined")
     })
@@ -156,7 +169,7 @@ fn check_memory(args: &Convert, scan: &ReadScan, options: &Options) -> Result<()
 }
 
 /// Whether a report shows the scan.
-fn is_drawn(args: &Convert) -> bool {
+pub(super) fn is_drawn(args: &Convert) -> bool {
     args.report.iter().any(|file| file.kind.is_picture())
 }
 

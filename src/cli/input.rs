@@ -3,13 +3,14 @@
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
+use formats::scene::{SceneMesh, UpAxis};
 use formats::{Content, Points, SceneContent, Soup};
 use scan2step::mesh::{Components, Outer};
 use scan2step::report::ScanSource;
 use scan2step::{Options, Progress};
 
 use super::Failure;
-use super::args::{Piece, cad_file};
+use super::args::{Piece, Up, cad_file};
 
 /// A scan that was read: a mesh or a cloud of points. Its content is dropped once the mesh is made.
 pub(crate) struct ReadScan {
@@ -20,20 +21,20 @@ pub(crate) struct ReadScan {
     pub colour: Option<[u8; 3]>,
     /// What the user should know about how the file was read.
     pub notes: Vec<String>,
+    /// The mesh with the colours of its polygons, if there are several.
+    pub painted: Option<SceneMesh>,
     content: Content,
 }
 
 impl ReadScan {
-    pub(crate) fn read(piece: &Piece) -> Result<ReadScan, Failure> {
-        ReadScan::of(piece, read_content(piece)?)
-    }
-
     /// A scan whose file was read. The meshes of a scene are one.
     pub(crate) fn of(piece: &Piece, content: SceneContent) -> Result<ReadScan, Failure> {
         let name = &piece.scan.name;
-        let of_scene = match &content {
-            SceneContent::Scene(scene) => scene.notes.iter().map(ToString::to_string).collect(),
-            SceneContent::Points(_) => Vec::new(),
+        let (of_scene, painted) = match &content {
+            SceneContent::Scene(scene) => {
+                (scene.notes.iter().map(ToString::to_string).collect(), scene.painted()?)
+            }
+            SceneContent::Points(_) => (Vec::new(), None),
         };
         let content = match content.into_content()? {
             Content::Mesh(soup) if piece.cloud.remesh => Content::Points(Points::of_mesh(&soup)),
@@ -55,7 +56,7 @@ impl ReadScan {
                 (ScanSource::of_cloud(file, cloud, &named), None, cloud.remarks())
             }
         };
-        Ok(ReadScan { path: name.clone(), source, colour, notes, content })
+        Ok(ReadScan { path: name.clone(), source, colour, notes, painted, content })
     }
 
     /// The options that decide how its mesh is made.
@@ -114,10 +115,24 @@ impl ReadScan {
 pub(crate) fn read_content(piece: &Piece) -> Result<SceneContent, Failure> {
     let reading = piece.cloud.reading();
     let name = &piece.scan.name;
-    if piece.scan.is_stdin {
-        return Ok(reading.read_scene_from(name, stdin())?);
+    let content = match piece.scan.is_stdin {
+        true => reading.read_scene_from(name, stdin())?,
+        false => reading.read_scene(name).map_err(|error| no_scan(name, error))?,
+    };
+    let up = match piece.scale.up {
+        Up::Keep => return Ok(content),
+        Up::Y => UpAxis::Y,
+        Up::Z => UpAxis::Z,
+    };
+    match content {
+        SceneContent::Scene(scene) => Ok(SceneContent::Scene(scene.with_up(up))),
+        // z points up in all formats of clouds.
+        SceneContent::Points(_) if up == UpAxis::Y => Err(Failure {
+            error: format!("{}: is a cloud of points, which --up y does not turn", name.display()),
+            help: "leave out --up: z points up in clouds".into(),
+        }),
+        points => Ok(points),
     }
-    reading.read_scene(name).map_err(|error| no_scan(name, error))
 }
 
 /// The error of a file that could not be read as a scan, with the command that takes it.

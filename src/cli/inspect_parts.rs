@@ -11,24 +11,26 @@ use super::args::Inspect;
 use super::assembly::Y_UP;
 use super::input::{self, ReadScan};
 use super::paragraphs::wrapped;
-use super::{Failure, inspect, messages};
+use super::{Failure, assembly, inspect, messages};
 
 /// The text of `inspect` about a file with several parts. `None` if the file is no assembly, or if a component of all
 /// meshes together is named.
 pub(crate) fn inspected(args: &Inspect, content: &SceneContent) -> Result<Option<String>, Failure> {
     let SceneContent::Scene(scene) = content else { return Ok(None) };
-    let split = scene.split_groups();
-    let scene = split.as_ref().unwrap_or(scene);
     let names_component = args.component != Choice::Largest || args.piece.outer.is_some();
-    if scene.place_count() < 2 || names_component {
+    let split = scene.split_groups();
+    let count = split.as_ref().unwrap_or(scene).place_count();
+    if count < 2 || names_component || args.piece.cloud.remesh {
         return Ok(None);
     }
     let options = ReadScan::options(&args.piece)?;
     let stopped = |e| input::stopped(&args.piece.scan.name, &e);
-    if !scan2step::has_parts(scene, &options).map_err(stopped)? {
+    let scene = split.unwrap_or_else(|| scene.clone());
+    let Ok(parts) = assembly::parts_of(scene, &options, false).map_err(stopped)? else {
         return Ok(None);
-    }
-    let parts = scan2step::inspect_scene(scene, &options).map_err(stopped)?;
+    };
+    let (scene, parts) = parts.inspect(&options).map_err(stopped)?;
+    let scene = &scene;
     let file = args.piece.scan.name.display().to_string();
     let figures = AssemblyInspection::of(scene, &parts, &file, &options);
     Ok(Some(if args.look.json { figures.to_json() } else { as_text(scene, &parts, &figures) }))

@@ -3,18 +3,20 @@
 use formats::scene::{NodeContent, NodeId};
 use formats::{Scene, SceneContent};
 
-use super::Failure;
-use super::args::{CadKind, ComponentChoice, Convert, PartsChoice};
+use scan2step::SceneParts;
+
+use super::args::{ComponentChoice, Convert, PartsChoice};
 use super::input::{self, ReadScan};
+use super::places::NamedCorners;
 use super::progress::ProgressDisplay;
-use super::report::ReportFormat;
+use super::{Failure, assembly};
 
 /// What is converted of a file.
 pub(crate) enum Chosen {
     /// A cloud, or all meshes as one.
     One(SceneContent),
     /// Each part of its own.
-    Assembly(Scene),
+    Assembly(SceneParts),
 }
 
 /// What the user chose, or what suits the file.
@@ -42,7 +44,7 @@ pub(crate) fn chosen(
         }
         Some(PartsChoice::Name(name)) => named(args, parts, name),
         Some(PartsChoice::Keep) if parts.place_count() > 1 => match hindrance(args) {
-            None => Ok(Chosen::Assembly(split.unwrap_or(scene))),
+            None => kept(args, split.unwrap_or(scene)),
             Some(why) => Err(Failure {
                 error: format!("--parts keep: {why}"),
                 help: "leave it out, or convert one mesh with --parts merge".into(),
@@ -53,6 +55,16 @@ pub(crate) fn chosen(
     }
 }
 
+/// An assembly, whatever its meshes are.
+fn kept(args: &Convert, scene: Scene) -> Result<Chosen, Failure> {
+    let options = ReadScan::options(&args.piece)?;
+    let parts = assembly::parts_of(scene, &options, true);
+    match parts.map_err(|e| input::stopped(&args.piece.scan.name, &e))? {
+        Ok(parts) => Ok(Chosen::Assembly(parts)),
+        Err(scene) => Ok(Chosen::One(SceneContent::Scene(scene))),
+    }
+}
+
 /// An assembly where all meshes are closed and nothing that was asked for needs one mesh.
 fn by_itself(
     args: &Convert,
@@ -60,45 +72,42 @@ fn by_itself(
     split: Option<Scene>,
     progress: &ProgressDisplay,
 ) -> Result<Chosen, Failure> {
-    let parts = split.as_ref().unwrap_or(&scene);
-    if parts.place_count() < 2 {
+    let count = split.as_ref().unwrap_or(&scene).place_count();
+    if count < 2 {
         return Ok(Chosen::One(SceneContent::Scene(scene)));
     }
     let options = ReadScan::options(&args.piece)?;
-    let why = match hindrance(args) {
-        Some(why) => Some(why),
+    let (scene, why) = match hindrance(args) {
+        Some(why) => (scene, why),
         None => {
-            let closed = scan2step::has_parts(parts, &options);
-            let closed = closed.map_err(|e| input::stopped(&args.piece.scan.name, &e))?;
-            (!closed).then_some("not all of its meshes are closed")
+            let (whole, scene) = match split {
+                Some(split) => (Some(scene), split),
+                None => (None, scene),
+            };
+            let parts = assembly::parts_of(scene, &options, false);
+            match parts.map_err(|e| input::stopped(&args.piece.scan.name, &e))? {
+                Ok(parts) => {
+                    let why = "as all of its meshes are closed (--parts to change)";
+                    progress.say(&format!("parts: kept, {why}"));
+                    return Ok(Chosen::Assembly(parts));
+                }
+                Err(scene) => (whole.unwrap_or(scene), "not all of its meshes are closed"),
+            }
         }
     };
-    if let Some(why) = why {
-        progress.say(&format!("parts: all as one mesh, as {why} (--parts to change)"));
-        return Ok(Chosen::One(SceneContent::Scene(scene)));
-    }
-    progress.say("parts: kept, as all of its meshes are closed (--parts to change)");
-    Ok(Chosen::Assembly(split.unwrap_or(scene)))
+    progress.say(&format!("parts: all as one mesh, as {why} (--parts to change)"));
+    Ok(Chosen::One(SceneContent::Scene(scene)))
 }
 
 /// Why an assembly cannot be written with what was asked for.
 fn hindrance(args: &Convert) -> Option<&'static str> {
-    let crop = &args.piece.crop;
-    if args.out.iter().any(|file| file.kind == CadKind::Iges) {
-        return Some("IGES files have no parts yet");
-    }
-    if args.report.iter().any(|file| file.kind != ReportFormat::Json) {
-        return Some("pages and pictures show no parts yet");
-    }
-    if args.stages.is_some() {
-        return Some("the files of stages are those of one mesh");
-    }
-    if crop.within.is_some() || crop.above.is_some() || crop.remove_plane {
-        return Some("places that are left out are those of one mesh");
+    if args.piece.cloud.remesh {
+        return Some("--remesh takes the points of all meshes together");
     }
     let names_place = args.piece.outer.is_some()
         || args.corners.is_some()
-        || args.how.component != ComponentChoice::Auto;
+        || matches!(args.how.boundary_corners, NamedCorners::At(_))
+        || matches!(args.how.component, ComponentChoice::Number(_));
     names_place.then_some("a place or a component of one mesh is named")
 }
 
@@ -124,6 +133,6 @@ fn named(args: &Convert, scene: &Scene, name: &str) -> Result<Chosen, Failure> {
             help: "scan2step inspect lists the parts".into(),
         }),
         (1, _) | (_, Some(_)) => Ok(Chosen::One(SceneContent::Scene(kept))),
-        (_, None) => Ok(Chosen::Assembly(kept)),
+        (_, None) => self::kept(args, kept),
     }
 }

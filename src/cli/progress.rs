@@ -160,6 +160,17 @@ impl ProgressDisplay {
         self.bar.set_position(FINE * self.passed + (share * length as f64) as u64);
     }
 
+    /// So many parts of a file are converted.
+    pub(crate) fn of_parts(&self, done: usize, all: usize) {
+        let share = done as f64 / all.max(1) as f64;
+        if self.steps == Steps::Json && done < all {
+            self.step("parts", share);
+        }
+        let each: u64 = STAGES[2..STAGES.len() - 1].iter().map(|(_, share)| share).sum();
+        self.bar.set_position(FINE * self.passed + (share * (FINE * each) as f64) as u64);
+        self.bar.set_message(format!("part {done} of {all}"));
+    }
+
     /// Writes a line of JSON.
     fn step(&self, stage: &str, share: f64) {
         let seconds = self.stage_begun.elapsed().as_secs_f64();

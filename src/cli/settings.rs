@@ -80,7 +80,8 @@ pub(crate) fn options(args: &Convert) -> Result<Options, Failure> {
 /// The same for reports.
 pub(crate) fn settings(args: &Convert, options: &Options, scan: &ReadScan) -> Settings {
     let mut settings = Settings::of(options, &scan.source)
-        .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
+        .of_files(cad::schema(args.how.schema), cad::form(args.how.iges))
+        .of_scene(parts(args), args.how.strict, args.piece.scale.up.word());
     // As the user wrote it: a share times 100 may differ in its last digit.
     settings.outliers = args.how.outliers;
     settings
@@ -92,9 +93,15 @@ pub(crate) fn of_files(args: &Convert, options: &Options, scene: &Scene) -> Sett
     let soup = scene.meshes().first().map(|mesh| mesh.soup.clone()).unwrap_or_default();
     let source = ScanSource::of(args.piece.scan.name.display().to_string(), &soup, options);
     let mut settings = Settings::of(options, &source)
-        .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
+        .of_files(cad::schema(args.how.schema), cad::form(args.how.iges))
+        .of_scene(parts(args), args.how.strict, args.piece.scale.up.word());
     settings.outliers = args.how.outliers;
     settings
+}
+
+/// What the user chose of the parts of a file.
+fn parts(args: &Convert) -> Option<String> {
+    args.how.parts.as_ref().map(ToString::to_string)
 }
 
 /// The shape that the user named.

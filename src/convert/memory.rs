@@ -1,6 +1,7 @@
 //! How much memory a conversion may take, estimated from counts before the work begins.
 
-use formats::Soup;
+use formats::scene::{FormId, NodeId};
+use formats::{Scene, Soup};
 
 use super::Options;
 use crate::error::{Error, Result};
@@ -65,6 +66,23 @@ impl Memory {
             is_drawn: false,
             may_be_body: false,
         }
+    }
+
+    /// The same for the parts of a scene. Their meshes are all in memory, and as many nets as there are threads.
+    pub fn of_scene(scene: &Scene, options: &Options) -> Self {
+        let count = |(form, _): &(FormId, Vec<NodeId>)| {
+            let soup = &scene.meshes()[scene.forms()[form.0].mesh.0].soup;
+            [soup.points.len(), soup.polygons.triangle_count()]
+        };
+        let counts: Vec<[usize; 2]> = scene.uses().iter().map(count).collect();
+        let sum = |k: usize| counts.iter().map(|count| count[k]).sum::<usize>();
+        let mut nets: Vec<usize> =
+            counts.iter().map(|[vertices, _]| largest_net(options, *vertices)).collect();
+        nets.sort_unstable_by(|a, b| b.cmp(a));
+        let control_points =
+            nets.into_iter().take(options.threads.unwrap_or_else(rayon::current_num_threads));
+        let control_points = control_points.fold(0, usize::saturating_add);
+        Memory { control_points, may_be_body: true, ..Memory::of_counts([sum(0), sum(1)], options) }
     }
 
     /// The same for a cloud of so many points. Each may become a vertex, and a surface has about

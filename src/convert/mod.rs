@@ -13,6 +13,7 @@ mod exact;
 mod exact_choice;
 mod exact_distances;
 mod face;
+mod face_colours;
 mod face_options;
 mod faces;
 mod file;
@@ -30,8 +31,8 @@ mod shape;
 mod stage;
 
 pub use assembly::{
-    AssemblyConversion, ConvertedPart, InspectedPart, ScenePart, convert_scene, has_parts,
-    inspect_scene,
+    AssemblyConversion, ConvertedPart, InspectedPart, MeasuredPlace, MeasuredScene, PartObserver,
+    ScenePart, SceneParts, convert_scene, cropped,
 };
 pub use cloud::{cloud_components, mesh_components};
 pub use conversion::{
@@ -41,6 +42,7 @@ pub use conversion::{
 pub use cut::Cut;
 pub use estimate::BodyEstimate;
 pub use exact::ExactEstimate;
+pub use face_colours::PartColours;
 pub use file::{convert_file, is_same_file};
 pub use input::{InputReport, Inspection, Measured, PieceReport, inspect, measured};
 pub use memory::Memory;

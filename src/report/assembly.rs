@@ -7,6 +7,7 @@ use formats::scene::{NodeId, Placement};
 use super::serialize_parts;
 use super::{BodyFigures, InspectionFigures, OutputFile, ScanSource, Settings, VERSION};
 use crate::convert::{AssemblyConversion, ConvertedPart, InspectedPart, Options, ScenePart};
+use crate::words::plural;
 
 /// What became of a file with several parts.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +63,8 @@ pub struct PartFigures {
     pub name: String,
     /// The colour (sRGB), if the part has one.
     pub colour: Option<[u8; 3]>,
+    /// The number of faces with another colour.
+    pub coloured_faces: usize,
     /// Where it is.
     pub places: Vec<PlaceFigures>,
     /// Why the part could not be converted.
@@ -81,6 +84,9 @@ pub struct PlaceFigures {
     pub path: Vec<String>,
     /// The rows of the map from the part to the whole, in mm: a rotation and a translation.
     pub matrix: [[f64; 4]; 3],
+    /// The colour of this place (sRGB), if it is another one than that of the part.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub colour: Option<[u8; 3]>,
 }
 
 impl AssemblyReport {
@@ -101,6 +107,7 @@ impl AssemblyReport {
             PartFigures {
                 name: name.clone(),
                 colour: *colour,
+                coloured_faces: part.colours.faces.len(),
                 places: places.figures(nodes),
                 error: part.made.as_ref().err().map(ToString::to_string),
                 bodies: bodies.map(|body| BodyFigures::of(body, &source, outliers)).collect(),
@@ -108,7 +115,16 @@ impl AssemblyReport {
         };
         let hints = made.parts.iter().flat_map(|part| {
             let bodies = part.made.iter().flat_map(|made| made.bodies());
-            bodies.flat_map(|body| &body.hints).map(|hint| format!("{}: {hint}", part.part.name))
+            let of_bodies = bodies.flat_map(|body| body.hints.iter().cloned());
+            let mixed = part.colours.mixed;
+            let of_colours = (mixed > 0).then(|| {
+                format!(
+                    "{} of several colours gets that of most of its area",
+                    plural(mixed, "face")
+                )
+            });
+            let hints = of_bodies.chain(of_colours);
+            hints.map(|hint| format!("{}: {hint}", part.part.name)).collect::<Vec<_>>()
         });
         AssemblyReport {
             scan2step: VERSION,
@@ -129,13 +145,22 @@ impl AssemblySource {
     pub fn of(scene: &Scene, file: &str, options: &Options) -> Self {
         let declared = options.unit().or(scene.unit);
         let meshes = || scene.meshes().iter().map(|mesh| &mesh.soup);
+        let stretched = match scene.stretched_count() {
+            0 => None,
+            count => {
+                let parts = plural(count, "part");
+                Some(format!(
+                    "{parts} scaled or mirrored in the file: CAD files place parts by motions, so each is its own"
+                ))
+            }
+        };
         AssemblySource {
             file: file.to_owned(),
             units: declared.unwrap_or(formats::LengthUnit::Millimetre).symbol(),
             units_assumed: declared.is_none(),
             file_vertices: meshes().map(|soup| soup.points.len()).sum(),
             file_triangles: meshes().map(|soup| soup.polygons.triangle_count()).sum(),
-            notes: scene.notes.iter().map(ToString::to_string).collect(),
+            notes: scene.notes.iter().map(ToString::to_string).chain(stretched).collect(),
         }
     }
 }
@@ -209,6 +234,7 @@ impl<'a> ScenePlaces<'a> {
         let place = |node: &NodeId| PlaceFigures {
             path: self.scene.path(*node).into_iter().map(str::to_owned).collect(),
             matrix: matrix(&self.places[node.0], self.mm),
+            colour: self.scene.nodes()[node.0].colour,
         };
         nodes.iter().map(place).collect()
     }

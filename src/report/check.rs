@@ -5,6 +5,7 @@ use formats::cad::CadModel;
 use super::hints::unit_by_cad;
 use super::{DeviationFigures, ScanSource, VERSION};
 use crate::check;
+use crate::convert::MeasuredScene;
 use crate::deviation::Deviation;
 
 /// How far the faces of a CAD file and a scan are from each other.
@@ -22,6 +23,9 @@ pub struct CheckFigures {
     pub scan_to_face: DistanceFigures,
     /// Distances of samples of the faces from the scan's triangles.
     pub face_to_scan: DistanceFigures,
+    /// The parts of an assembly, each in all of its places.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub parts: Option<Vec<CheckedPart>>,
     /// The tolerance that was asked for, if one was.
     pub tolerance_mm: Option<f64>,
     /// What could be wrong, and what to do about it.
@@ -30,6 +34,29 @@ pub struct CheckFigures {
     pub outliers_pct: f64,
     /// Whether both directions keep the tolerance, if there is one.
     pub tolerance_met: Option<bool>,
+}
+
+/// A part of an assembly.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct CheckedPart {
+    /// Its name.
+    pub name: String,
+    /// How far its points are from the faces in each of its places.
+    pub places: Vec<CheckedPlace>,
+}
+
+/// A part of an assembly in one of its places.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct CheckedPlace {
+    /// The names of the groups around it, and its own.
+    pub path: Vec<String>,
+    /// The distances of its points from the faces.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub distances: DistanceFigures,
 }
 
 /// What a CAD file has.
@@ -141,11 +168,35 @@ impl CheckFigures {
             scan: CheckedScan::of(source, measured, found.scan_bounds),
             scan_to_face,
             face_to_scan,
+            parts: None,
             tolerance_mm: tolerance,
             hints: hint.into_iter().collect(),
             outliers_pct,
             tolerance_met,
         }
+    }
+}
+
+impl CheckFigures {
+    /// The same with the figures of the parts of a scene, of whose mesh the distances are.
+    #[must_use]
+    pub fn of_parts(self, found: &check::Report, scene: &MeasuredScene) -> Self {
+        let mut parts: Vec<CheckedPart> = (scene.parts.iter())
+            .map(|part| CheckedPart { name: part.name.clone(), places: Vec::new() })
+            .collect();
+        for place in &scene.places {
+            let distances = &found.scan_to_face.distances;
+            let (Some(points), Some(own)) =
+                (scene.mesh.points.get(place.points.clone()), distances.get(place.points.clone()))
+            else {
+                continue;
+            };
+            let deviation = Deviation::of(points, own.to_vec());
+            let path = scene.scene.path(place.node).into_iter().map(str::to_owned).collect();
+            let distances = DistanceFigures::of(&deviation, self.tolerance_mm);
+            parts[place.part].places.push(CheckedPlace { path, distances });
+        }
+        CheckFigures { parts: Some(parts), ..self }
     }
 }
 

@@ -30,6 +30,8 @@ pub(super) struct ExactView {
     pub mesh: Mesh,
     /// For each triangle its kind and the outer normals of its surface at the corners.
     painted: Vec<(usize, [Vector; 3])>,
+    /// For each triangle its face.
+    pub face_of: Vec<u32>,
     /// The number of faces of each kind.
     pub counts: [usize; KINDS.len()],
     /// Bores and shafts, what was snapped, and what became facets.
@@ -48,6 +50,7 @@ impl ExactView {
         ExactView {
             painted: fit.of_triangle.iter().zip(&fit.mesh.triangles).map(paint).collect(),
             mesh: fit.mesh.clone(),
+            face_of: fit.of_triangle.clone(),
             counts,
             figures: ExactFigures::of(fit),
         }
@@ -70,6 +73,11 @@ impl ExactView {
             cylinders.map(|row| (row.at, format!("{}, radius {}", row.name(), mm(row.radius_mm))));
         let facets = self.figures.facets.iter();
         cylinders.chain(facets.map(|row| (row.at, format!("facets of a {}", row.surface))))
+    }
+
+    /// The outer normals of its surface at the corners of a triangle.
+    pub(super) fn normals(&self, triangle: usize) -> [Vector; 3] {
+        self.painted[triangle].1
     }
 
     /// The colour of a triangle, and the normals at its corners.

@@ -27,6 +27,7 @@ pub(super) fn environment() -> Result<Environment<'static>, minijinja::Error> {
     environment.add_filter("words", |s: String| s.replace('_', " "));
     environment.add_filter("file", |s: String| file_name(&s));
     environment.add_template("report.html", include_str!("page/report.html"))?;
+    environment.add_template("assembly.html", include_str!("page/assembly.html"))?;
     Ok(environment)
 }
 

@@ -30,12 +30,22 @@ impl Report {
 }
 
 impl AssemblyReport {
-    /// Writes the report as JSON, as [`Report::write_json`] does.
+    /// The report as a JSON value.
+    pub fn to_value(&self) -> Value {
+        value(self)
+    }
+
+    /// The report as JSON, as [`Report::to_json`] has it.
+    pub fn to_json(&self) -> String {
+        text(&self.to_value())
+    }
+
+    /// Writes the same text.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn write_json(&self, out: &mut dyn Write) -> io::Result<()> {
-        out.write_all(text(&value(self)).as_bytes())
+        out.write_all(self.to_json().as_bytes())
     }
 }
 

@@ -42,7 +42,11 @@ mod scale;
 mod still;
 #[cfg(feature = "picture")]
 mod view;
+#[cfg(feature = "picture")]
+mod whole;
 
+#[cfg(feature = "html")]
+mod assembly_page;
 #[cfg(feature = "html")]
 mod bars;
 #[cfg(feature = "html")]
@@ -66,7 +70,10 @@ pub use assembly::{
     AssemblyInspection, AssemblyReport, AssemblySource, InspectedPartFigures, PartFigures,
     PlaceFigures,
 };
-pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures, MeasuredComponents};
+pub use check::{
+    CadFigures, CheckFigures, CheckedPart, CheckedPlace, CheckedScan, DistanceFigures,
+    MeasuredComponents,
+};
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use exact::{
     CylinderFigures, ExactFigures, FacetFigures, GapFigures, SnapFigures, SurfaceFigures,
@@ -86,6 +93,8 @@ pub use shape::{PatchFigures, SeamFigures, ShapeFigures, SurfaceCounts};
 pub use still::picture_png;
 #[cfg(feature = "picture")]
 pub use view::{ReportView, ViewRecorder};
+#[cfg(feature = "picture")]
+pub use whole::{AssemblyView, assembly_png};
 
 use crate::convert::Conversion;
 

@@ -81,6 +81,13 @@ pub struct Settings {
     pub keep_fills: bool,
     /// Which component: "auto", "largest", "all" or a number.
     pub component: Setting<usize>,
+    /// What becomes of the parts of a file with several: "keep", "merge", a number or "name:" and a name. `None` leaves
+    /// it to what suits the file.
+    pub parts: Option<String>,
+    /// Whether a part that fails fails all.
+    pub strict: bool,
+    /// The axis that points up in the result: "keep", "y" or "z".
+    pub up: &'static str,
     /// The schema of STEP files: "ap203", "ap214" or "ap242".
     pub schema: &'static str,
     /// The form of IGES files: "trimmed" or "brep".
@@ -178,6 +185,9 @@ impl Settings {
                 Choice::Largest => Setting::Word("largest"),
                 Choice::Number(n) => Setting::Value(n),
             },
+            parts: None,
+            strict: false,
+            up: "keep",
             schema: schema(step::Schema::default()),
             iges: form(iges::Form::default()),
         }
@@ -187,6 +197,15 @@ impl Settings {
     #[must_use]
     pub fn of_files(self, step: step::Schema, iges: iges::Form) -> Self {
         Settings { schema: schema(step), iges: form(iges), ..self }
+    }
+}
+
+impl Settings {
+    /// The same with what was chosen of the scene of the file: its parts, whether one that fails fails all, and the axis
+    /// that points up.
+    #[must_use]
+    pub fn of_scene(self, parts: Option<String>, strict: bool, up: &'static str) -> Self {
+        Settings { parts, strict, up, ..self }
     }
 }
 

@@ -19,21 +19,21 @@ use crate::report::picture::{Camera, Image, sheet};
 use crate::words::{box_extents, grouped, mm, plural, separated};
 
 /// Pixels of the picture.
-const SIZE: [usize; 2] = [1600, 1000];
+pub(super) const SIZE: [usize; 2] = [1600, 1000];
 
 /// Where things are, in pixels of a picture of the usual size.
-const MARGIN: usize = 40;
-const TOP: usize = 130;
-const COLUMN: usize = 1090;
+pub(super) const MARGIN: usize = 40;
+pub(super) const TOP: usize = 130;
+pub(super) const COLUMN: usize = 1090;
 const ASIDE: [usize; 2] = [225, 260];
 const BARS: [usize; 2] = [470, 300];
 
-const MUTED: [u8; 3] = srgb(0x5f6b78);
+pub(super) const MUTED: [u8; 3] = srgb(0x5f6b78);
 const LINE: [u8; 3] = srgb(0xd5dae0);
 
-const TITLE: Style = Style { size: 40.0, bold: true, colour: INK };
-const TEXT: Style = Style { size: 24.0, bold: false, colour: INK };
-const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
+pub(super) const TITLE: Style = Style { size: 40.0, bold: true, colour: INK };
+pub(super) const TEXT: Style = Style { size: 24.0, bold: false, colour: INK };
+pub(super) const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
 
 /// The size of the dots at irregular vertices.
 const DOT: Pen = Pen::solid(4.5);
@@ -50,8 +50,7 @@ const SMOOTH_EDGE: Pen = Pen { seen: 0.35, ..Pen::solid(0.7) };
 /// # Errors
 /// The font cannot be read, or the image cannot be encoded.
 pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
-    let letters = Type::new().map_err(io::Error::other)?;
-    let mut page = Page { image: Image::blank(SIZE, BACKGROUND), letters };
+    let mut page = Page::new()?;
     let end = Ends::of(views).measured;
     page.head(name, views);
     if let Some(first) = views.first() {
@@ -170,13 +169,24 @@ fn ring(canvas: &Canvas, camera: &Camera, at: Point) -> Lines {
     lines
 }
 
-struct Page {
-    image: Image,
-    letters: Type,
+/// A picture with text.
+pub(super) struct Page {
+    pub(super) image: Image,
+    pub(super) letters: Type,
 }
 
 impl Page {
-    fn write(&mut self, text: &str, at: [f32; 2], style: Style) {
+    pub(super) fn new() -> io::Result<Page> {
+        let letters = Type::new().map_err(io::Error::other)?;
+        Ok(Page { image: Image::blank(SIZE, BACKGROUND), letters })
+    }
+
+    /// A line under the head.
+    pub(super) fn rule(&mut self) {
+        self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
+    }
+
+    pub(super) fn write(&mut self, text: &str, at: [f32; 2], style: Style) {
         self.letters.write(&mut self.image, text, at, style);
     }
 
@@ -188,7 +198,7 @@ impl Page {
     }
 
     /// As large as the style has it, or as there is room for up to the margin.
-    fn write_within(&mut self, text: &str, at: [f32; 2], style: Style) {
+    pub(super) fn write_within(&mut self, text: &str, at: [f32; 2], style: Style) {
         let room = (SIZE[0] - MARGIN) as f32 - at[0];
         let share = (room / self.letters.width(text, style)).min(1.0);
         self.write(text, at, Style { size: style.size * share, ..style });
@@ -209,7 +219,7 @@ impl Page {
         let size = box_extents(bounds(views));
         let line = format!("{vertices} points, {triangles} triangles  ·  {size}  ·  {made}");
         self.write_within(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
-        self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
+        self.rule();
     }
 
     /// The kinds of exact faces with their colours, and the bores and shafts.

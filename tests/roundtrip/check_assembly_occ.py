@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads an assembly's STEP file with OpenCASCADE (XCAF) without healing and describes its tree.
+"""Reads an assembly's STEP or IGES file with OpenCASCADE (XCAF) without healing and describes its tree.
 
     python check_assembly_occ.py FILE
 
@@ -9,11 +9,13 @@ part: the path of the names of places, the name of the product, its volume in mm
 """
 
 import json
+import os
 import sys
 
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
+from OCP.IGESCAFControl import IGESCAFControl_Reader
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.Interface import Interface_Static
 from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
@@ -61,7 +63,7 @@ def count(shape, kind):
     return found.Extent()
 
 
-def part(label, path, location):
+def part(label, path, location, own):
     shape = XCAFDoc_ShapeTool.GetShape_s(label)
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape.Moved(location), properties, 1e-7)
@@ -71,21 +73,33 @@ def part(label, path, location):
         "product": name_of(label),
         "volume": properties.Mass(),
         "centre": [centre.X(), centre.Y(), centre.Z()],
-        "colour": colour_of(label),
+        "colour": own or colour_of(label) or colour_of_first(label),
         "solids": count(shape, TopAbs_SOLID),
         "valid": BRepCheck_Analyzer(shape).IsValid(),
     }
 
 
-def places(label, path, location):
+def colour_of_first(label):
+    """IGES has colours on what is in a subfigure."""
+    found = TDF_LabelSequence()
+    XCAFDoc_ShapeTool.GetSubShapes_s(label, found)
+    return next(filter(None, (colour_of(found.Value(i)) for i in range(1, found.Length() + 1))), None)
+
+
+def places(label, path, location, own=None):
+    if XCAFDoc_ShapeTool.IsReference_s(label):
+        # The whole of an IGES file is an instance, too.
+        of = TDF_Label()
+        XCAFDoc_ShapeTool.GetReferredShape_s(label, of)
+        return places(of, path, location.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(label)), own)
     if not XCAFDoc_ShapeTool.IsAssembly_s(label):
-        return [part(label, path, location)]
+        return [part(label, path, location, own)]
     found = []
     for member in members(label):
         of = TDF_Label()
         XCAFDoc_ShapeTool.GetReferredShape_s(member, of)
         inner = location.Multiplied(XCAFDoc_ShapeTool.GetLocation_s(member))
-        found += places(of, path + [name_of(member)], inner)
+        found += places(of, path + [name_of(member)], inner, colour_of(member))
     return found
 
 
@@ -99,11 +113,17 @@ def face_colours(label):
 
 def main():
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
-    reader = STEPCAFControl_Reader()
+    is_iges = sys.argv[1].lower().endswith((".igs", ".iges"))
+    reader = IGESCAFControl_Reader() if is_iges else STEPCAFControl_Reader()
     Interface_Static.SetIVal_s("read.stdsameparameter.mode", 0)
     for switch in (reader.SetNameMode, reader.SetColorMode):
         switch(True)
-    if reader.ReadFile(sys.argv[1]) != IFSelect_RetDone or not reader.Transfer(document):
+    # The reader of IGES files prints what it counts.
+    output = os.dup(1)
+    os.dup2(2, 1)
+    read = reader.ReadFile(sys.argv[1]) == IFSelect_RetDone and reader.Transfer(document)
+    os.dup2(output, 1)
+    if not read:
         sys.exit("cannot be read")
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     roots, all_shapes = TDF_LabelSequence(), TDF_LabelSequence()

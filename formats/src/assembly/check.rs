@@ -5,10 +5,7 @@ use std::io;
 
 use super::{Assembly, Product};
 use crate::brep::ModelFault;
-use crate::scene::Placement;
-
-/// The greatest depth of groups. Programs that read CAD files go down by recursion.
-const MOST_DEPTH: u32 = 256;
+use crate::scene::{MOST_DEPTH, Placement};
 
 /// The axes of a placement may differ from perpendicular unit vectors by so much. It is the error of some products of
 /// rotations in double precision, with a reserve.

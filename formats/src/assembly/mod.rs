@@ -49,6 +49,8 @@ pub struct Member {
     pub name: String,
     /// The place in the group. It is rigid.
     pub placement: Placement,
+    /// The colour of a part in this place (sRGB), if it is another one than that of the part.
+    pub colour: Option<[u8; 3]>,
     /// What is there.
     pub product: Product,
 }
@@ -60,4 +62,45 @@ pub enum Product {
     Part(usize),
     /// A group.
     Group(usize),
+}
+
+impl Assembly {
+    /// The name of the whole. It may be empty.
+    pub fn name(&self) -> &str {
+        self.groups.last().map(|group| group.name.as_str()).unwrap_or_default()
+    }
+
+    /// What a file says that it holds.
+    pub(crate) fn content(&self) -> &'static str {
+        if self.parts.iter().all(|part| part.brep.has_splines_only()) {
+            "Assembly of trimmed B-spline surfaces"
+        } else {
+            "Assembly of trimmed surfaces"
+        }
+    }
+
+    /// The uncertainty of the least certain part.
+    pub(crate) fn uncertainty_mm(&self) -> f64 {
+        let uncertainties = self.parts.iter().map(|part| part.brep.uncertainty_mm);
+        uncertainties.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// A bound of all coordinates. Turning a part may make its largest coordinate √3 times as large.
+    pub(crate) fn reach(&self) -> f64 {
+        let of_parts: Vec<f64> =
+            self.parts.iter().map(|part| 3.0_f64.sqrt() * part.brep.reach()).collect();
+        let mut of_groups: Vec<f64> = Vec::with_capacity(self.groups.len());
+        for group in &self.groups {
+            let of_member = |member: &Member| {
+                let own = match member.product {
+                    Product::Part(part) => of_parts.get(part),
+                    Product::Group(inner) => of_groups.get(inner),
+                };
+                let [x, y, z] = member.placement.translation;
+                own.copied().unwrap_or(0.0) + (x * x + y * y + z * z).sqrt()
+            };
+            of_groups.push(group.members.iter().map(of_member).fold(0.0, f64::max));
+        }
+        of_groups.last().copied().unwrap_or(0.0)
+    }
 }

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use super::{Assembly, AssemblyGroup, AssemblyPart, Member, Product};
 use crate::scene::{FormId, NodeContent, NodeId, Placement, Scene, SceneNode};
 
-/// What tells one group from another: the name of the product and the members, each with the bits of its place.
-type GroupKey = (Option<String>, Vec<(String, Product, [u64; 12])>);
+/// What tells one group from another: the name of the product and the members, each with its colour and the bits of
+/// its place.
+type GroupKey = (Option<String>, Vec<(String, Product, Option<[u8; 3]>, [u64; 12])>);
 
 /// Makes groups of nodes, and each only once.
 struct Groups<'a> {
@@ -95,7 +96,8 @@ impl Groups<'_> {
             let product = products[child]?;
             // A place without a name has that of what is there, as CAD programs do.
             let name = self.scene.name(NodeId(child)).unwrap_or_default().to_owned();
-            Some(Member { name, placement: self.placement(node), product })
+            let colour = node.colour.filter(|_| matches!(product, Product::Part(_)));
+            Some(Member { name, placement: self.placement(node), colour, product })
         };
         children.iter().filter_map(member).collect()
     }
@@ -122,7 +124,7 @@ impl Groups<'_> {
                 // Zero has two signs.
                 *bits = (x + 0.0).to_bits();
             }
-            (member.name.clone(), member.product, bits)
+            (member.name.clone(), member.product, member.colour, bits)
         };
         let key = (own.cloned(), members.iter().map(key).collect());
         let next = self.groups.len();

@@ -3,7 +3,9 @@
 use ::gltf::json::Node;
 
 use super::{Gear, graph, instances, mesh, transform};
-use crate::scene::{MOST_NODES, MeshId, NodeId, Placement, Scene, SceneNote, clean_name};
+use crate::scene::{
+    MOST_DEPTH, MOST_NODES, MeshId, NodeId, Placement, Scene, SceneNote, clean_name,
+};
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result};
 
@@ -45,6 +47,11 @@ pub(super) fn read(gear: &mut Gear<'_>, scene: &mut Scene) -> Result<bool> {
         }
         let children = node.children.iter().flatten().rev();
         open.extend(children.map(|child| (child.value(), as_parent, place)));
+    }
+    if scene.place_count() > 1 && scene.depth() > MOST_DEPTH {
+        let what = format!("has nodes in each other more than {MOST_DEPTH} deep");
+        let help = "Export it without the groups around its parts.";
+        return Err(Error::new(gear.buffers.path, what, help));
     }
     Ok(placed)
 }

@@ -114,10 +114,14 @@ pub(super) enum EntityData<'a> {
     /// 190 to 198 form 1, a surface with parameters: its number, its origin (116), the directions of
     /// its z and x axes (123), and its measures.
     Elementary { number: u16, origin: Pointer, z: Pointer, x: Pointer, measures: Vec<f64> },
+    /// 308, a subfigure: the depth of subfigures in it, its name and what is in it.
+    Subfigure { depth: usize, name: &'a str, members: Vec<Pointer> },
     /// 314, a colour in percent of red, green and blue.
     Colour([f64; 3]),
     /// 402 form 7, a group.
     Group(Vec<Pointer>),
+    /// 408, a subfigure in the place of its matrix.
+    Instance(Pointer),
     /// 406 form 15, a name of any length.
     Name(&'a str),
     /// 502, the vertices.
@@ -160,8 +164,10 @@ impl EntityData<'_> {
             EntityData::OnSurface { .. } => (142, 0),
             EntityData::Trimmed { .. } => (144, 0),
             EntityData::Solid { .. } => (186, 0),
+            EntityData::Subfigure { .. } => (308, 0),
             EntityData::Colour(_) => (314, 0),
             EntityData::Group(_) => (402, 7),
+            EntityData::Instance(_) => (408, 0),
             EntityData::Name(_) => (406, 15),
             EntityData::Vertices(_) => (502, 1),
             EntityData::Edges { .. } => (504, 1),
@@ -232,6 +238,16 @@ impl EntityData<'_> {
             EntityData::Surface(s) => surface(p, s),
             EntityData::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
             EntityData::Trimmed { surface, loops } => trimmed(p, *surface, loops),
+            EntityData::Subfigure { depth, name, members } => {
+                p.add(depth)?;
+                p.text(name)?;
+                counted(p, members)
+            }
+            EntityData::Instance(subfigure) => {
+                p.add(subfigure)?;
+                // No shift besides that of the matrix, and no scaling.
+                p.reals(&[0.0, 0.0, 0.0, 1.0])
+            }
             EntityData::Colour(percent) => p.reals(percent),
             EntityData::Name(name) => {
                 p.add(1)?;

@@ -4,17 +4,29 @@ use std::io;
 
 use super::Options;
 use super::parameters::Parameters;
-use crate::brep::Brep;
 use crate::time_stamp;
+
+/// What the first two sections say of a file.
+pub(super) struct FileSummary<'a> {
+    /// The name of the product.
+    pub(super) name: &'a str,
+    /// What the file holds.
+    pub(super) content: &'a str,
+    /// What a reader of the file should know about it. It may be empty.
+    pub(super) description: &'a str,
+    pub(super) uncertainty_mm: f64,
+    /// The largest coordinate.
+    pub(super) reach: f64,
+}
 
 const WIDTH: usize = 72;
 
 /// Writes the start section, which is for human readers. Returns the number of lines.
-pub(super) fn start(brep: &Brep, out: &mut dyn io::Write) -> io::Result<usize> {
-    let (content, description) = (format!("{} in millimetres", brep.content()), &brep.description);
+pub(super) fn start(header: &FileSummary<'_>, out: &mut dyn io::Write) -> io::Result<usize> {
+    let content = format!("{} in millimetres", header.content);
     writeln!(out, "{content:WIDTH$}S{:7}", 1)?;
     let plain = |c: char| if c.is_ascii_graphic() || c == ' ' { c } else { '_' };
-    let text: Vec<char> = description.chars().map(plain).collect();
+    let text: Vec<char> = header.description.chars().map(plain).collect();
     for (number, line) in (2..).zip(text.chunks(WIDTH)) {
         writeln!(out, "{:WIDTH$}S{number:7}", line.iter().collect::<String>())?;
     }
@@ -23,9 +35,8 @@ pub(super) fn start(brep: &Brep, out: &mut dyn io::Write) -> io::Result<usize> {
 
 /// Writes the 26 global parameters. Returns the number of lines.
 pub(super) fn write(
-    brep: &Brep,
+    header: &FileSummary<'_>,
     options: &Options,
-    reach: f64,
     out: &mut dyn io::Write,
 ) -> io::Result<usize> {
     let mut number = 0;
@@ -34,17 +45,17 @@ pub(super) fn write(
         writeln!(out, "{line:WIDTH$}G{number:7}")
     };
     let mut p = Parameters::new(WIDTH, &mut finish_line);
-    sender(&mut p, brep, options)?;
-    model(&mut p, &time(&options.time_stamp), brep.uncertainty_mm, reach)?;
+    sender(&mut p, header.name, options)?;
+    model(&mut p, &time(&options.time_stamp), header.uncertainty_mm, header.reach)?;
     p.end()?;
     Ok(number)
 }
 
 /// Writes parameters 1 to 12: the delimiters, the names, and the number formats of the sender.
-fn sender(p: &mut Parameters<'_>, brep: &Brep, options: &Options) -> io::Result<()> {
+fn sender(p: &mut Parameters<'_>, name: &str, options: &Options) -> io::Result<()> {
     p.text(",")?;
     p.text(";")?;
-    p.text(&brep.name)?;
+    p.text(name)?;
     p.text(&options.file_name)?;
     p.text(&options.originating_system)?;
     p.text(concat!("scan2step-formats ", env!("CARGO_PKG_VERSION")))?;
@@ -53,7 +64,7 @@ fn sender(p: &mut Parameters<'_>, brep: &Brep, options: &Options) -> io::Result<
     for limit in [32, 38, 6, 308, 15] {
         p.add(limit)?;
     }
-    p.text(&brep.name)
+    p.text(name)
 }
 
 /// Writes parameters 13 to 26: scale, units, time, resolution, size and version.

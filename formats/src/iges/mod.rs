@@ -1,6 +1,6 @@
 //! Writer of IGES files.
 //!
-//! The input is a [`Brep`]. The output is a file of version 5.3 of the Initial Graphics Exchange
+//! The input is a [`Brep`] or an [`Assembly`]. The output is a file of version 5.3 of the Initial Graphics Exchange
 //! Specification in the fixed ASCII form with 80 columns.
 
 mod compose;
@@ -15,7 +15,10 @@ mod surfaces;
 
 use std::io;
 
-use crate::brep::Brep;
+use crate::assembly::Assembly;
+use crate::brep::{Brep, FaceId};
+use entity::Entity;
+use global::FileSummary;
 
 /// The representation of trimmed surfaces in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -40,6 +43,8 @@ pub struct Options {
     pub originating_system: String,
     /// The colour of the faces (sRGB). `None` writes no colour.
     pub colour: Option<[u8; 3]>,
+    /// The colours of faces that have another one.
+    pub face_colours: Vec<(FaceId, [u8; 3])>,
 }
 
 impl Default for Options {
@@ -50,6 +55,7 @@ impl Default for Options {
             file_name: String::new(),
             originating_system: "scan2step".into(),
             colour: None,
+            face_colours: Vec::new(),
         }
     }
 }
@@ -66,15 +72,48 @@ impl Default for Options {
 /// [`Brep::check`] or needs line numbers of more than seven digits. Otherwise the errors of `out`.
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
     brep.check()?;
-    let entities = match options.form {
-        Form::Trimmed => plan::trimmed(brep, options.colour),
-        Form::Brep => plan::bodies(brep, options.colour),
+    let header = FileSummary {
+        name: &brep.name,
+        content: brep.content(),
+        description: &brep.description,
+        uncertainty_mm: brep.uncertainty_mm,
+        reach: brep.reach(),
     };
-    let lines = section::count_lines(&entities)?;
-    let start = global::start(brep, out)?;
-    let global = global::write(brep, options, brep.reach(), out)?;
-    section::directory(&entities, &lines, out)?;
-    section::parameters(&entities, out)?;
+    write_entities(&plan::part(brep, options), (&header, options), out)
+}
+
+/// Writes an assembly. Each part and each group is a subfigure (entity 308) that is defined once, and each place is an
+/// instance of it (408) with a matrix (124). The colour of `options` is not used, because parts have their own.
+///
+/// # Errors
+/// An error of kind `InvalidInput` before anything is written, if `assembly` does not satisfy
+/// [`Assembly::check`] or needs line numbers of more than seven digits. Otherwise the errors of `out`.
+pub fn write_assembly(
+    assembly: &Assembly,
+    options: &Options,
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    assembly.check()?;
+    let header = FileSummary {
+        name: assembly.name(),
+        content: assembly.content(),
+        description: "",
+        uncertainty_mm: assembly.uncertainty_mm(),
+        reach: assembly.reach(),
+    };
+    write_entities(&plan::assembly(assembly, options.form), (&header, options), out)
+}
+
+fn write_entities(
+    entities: &[Entity<'_>],
+    (header, options): (&FileSummary<'_>, &Options),
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    let lines = section::count_lines(entities)?;
+    let start = global::start(header, out)?;
+    let global = global::write(header, options, out)?;
+    section::directory(entities, &lines, out)?;
+    section::parameters(entities, out)?;
     let counts = [start, global, 2 * entities.len(), lines.iter().sum()];
     section::terminate(counts, out)
 }

@@ -1,74 +1,170 @@
 //! The list of entities of a file in their order.
 
+use std::collections::BTreeMap;
+
 use super::entity::{Entity, EntityData, EntityStatus, LoopUse, Pointer};
 use super::parameters::ascii;
 use super::surfaces::PlannedSurface;
+use super::{Form, Options};
+use crate::assembly::{Assembly, AssemblyPart, Member, Product};
 use crate::brep::{Brep, EdgeUse, Face, FaceId, ShellId};
+use crate::scene::Placement;
 
-/// The entities in the order of their directory entries.
+/// The entities in the order of their directory entries, and what those that come next have.
+#[derive(Default)]
 pub(super) struct Plan<'a> {
     entities: Vec<Entity<'a>>,
     label: String,
     name: Option<Pointer>,
     colour: Option<Pointer>,
+    /// The colours of faces that have another one, by the number of the face.
+    face_colours: BTreeMap<usize, Pointer>,
+    /// The colours that are there.
+    colours: BTreeMap<[u8; 3], Pointer>,
 }
 
-/// The faces as trimmed surfaces (144). Several of them are in a group (402), because some programs
-/// crash if there is more than one independent entity.
-pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
-    let mut plan = Plan::new(&brep.name, colour);
-    let surfaces = plan.surfaces(brep);
-    let mut faces = Vec::with_capacity(brep.faces.len());
-    for data in &brep.faces {
-        faces.push(plan.trimmed_face(brep, data, &surfaces[data.surface.0]));
-    }
-    plan.roots(faces);
-    plan.entities
-}
+/// A root entity, and the number of the face that it is.
+type Root<'a> = (EntityData<'a>, Option<usize>);
 
-/// Solids (186) and open shells (514 form 2) for sheets, with shared edges. Several of them are in
-/// a group (402).
-pub(super) fn bodies(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
-    let mut plan = Plan::new(&brep.name, colour);
-    let lists = plan.edge_list(brep);
-    let surfaces = plan.surfaces(brep);
-    let mut faces = Vec::with_capacity(brep.faces.len());
-    for data in &brep.faces {
-        let surface = &surfaces[data.surface.0];
-        let face = plan.shell_face(brep, data, surface, lists);
-        let forward = surface.agrees(data);
-        faces.push((plan.coloured(EntityStatus::Part, face), forward));
-    }
-    let shell = |ShellId(shell): ShellId| {
-        let shell = &brep.shells[shell];
-        let faces = shell.faces.iter().map(|FaceId(face)| faces[*face]).collect();
-        EntityData::Shell { faces, closed: shell.closed }
-    };
-    let mut roots = Vec::new();
-    for solid in &brep.solids {
-        let outer = plan.coloured(EntityStatus::Part, shell(solid.outer));
-        let mut voids = Vec::with_capacity(solid.voids.len());
-        for void in &solid.voids {
-            voids.push(plan.coloured(EntityStatus::Part, shell(*void)));
-        }
-        roots.push(EntityData::Solid { outer, voids });
-    }
-    roots.extend(brep.sheets().map(shell));
+/// The entities of a part. Several roots are in a group (402), because some programs crash if there is more than
+/// one independent entity.
+pub(super) fn part<'a>(brep: &'a Brep, options: &Options) -> Vec<Entity<'a>> {
+    let mut plan = Plan::default();
+    plan.begin_part(&brep.name, options.colour, &options.face_colours);
+    let roots = plan.of_brep(brep, options.form);
     plan.roots(roots);
     plan.entities
 }
 
+/// The entities of an assembly. The whole is one instance, so that there is one independent entity.
+pub(super) fn assembly(assembly: &Assembly, form: Form) -> Vec<Entity<'_>> {
+    let mut plan = Plan::default();
+    let mut parts = Vec::with_capacity(assembly.parts.len());
+    for AssemblyPart { brep, colour, face_colours } in &assembly.parts {
+        plan.begin_part(&brep.name, *colour, face_colours);
+        let roots = plan.of_brep(brep, form);
+        let members = roots.into_iter().map(|root| plan.root(EntityStatus::Part, root)).collect();
+        parts.push(plan.subfigure((&brep.name, 0), members));
+    }
+    let mut groups: Vec<(Pointer, usize)> = Vec::with_capacity(assembly.groups.len());
+    for group in &assembly.groups {
+        let (mut members, mut depth) = (Vec::with_capacity(group.members.len()), 0);
+        for Member { name, placement, colour, product } in &group.members {
+            let (subfigure, own_depth) = match product {
+                Product::Part(part) => (parts[*part], 0),
+                Product::Group(inner) => groups[*inner],
+            };
+            depth = depth.max(own_depth + 1);
+            let [x, y, z] = placement.axes;
+            let columns = EntityData::Matrix([x, y, z, placement.translation]);
+            let matrix =
+                (*placement != Placement::IDENTITY).then(|| plan.add(EntityStatus::Part, columns));
+            plan.begin_part(name, *colour, &[]);
+            members.push(plan.instance(EntityStatus::Part, subfigure, matrix));
+        }
+        plan.begin_part(&group.name, None, &[]);
+        groups.push((plan.subfigure((&group.name, depth), members), depth));
+    }
+    if let (Some(&(whole, _)), Some(group)) = (groups.last(), assembly.groups.last()) {
+        plan.begin_part(&group.name, None, &[]);
+        plan.instance(EntityStatus::Independent, whole, None);
+    }
+    plan.entities
+}
+
 impl<'a> Plan<'a> {
-    fn new(name: &'a str, colour: Option<[u8; 3]>) -> Self {
-        let mut plan = Plan { entities: Vec::new(), label: label(name), name: None, colour: None };
-        if let Some(rgb) = colour {
-            let percent = rgb.map(|channel| f64::from(channel) / 2.55);
-            plan.colour = Some(plan.add(EntityStatus::Definition, EntityData::Colour(percent)));
+    /// What is added from now on has this name, and these colours.
+    fn begin_part(
+        &mut self,
+        name: &'a str,
+        colour: Option<[u8; 3]>,
+        face_colours: &[(FaceId, [u8; 3])],
+    ) {
+        self.label = label(name);
+        self.colour = colour.map(|colour| self.colour(colour));
+        let of_faces = face_colours.iter().map(|(face, colour)| (face.0, self.colour(*colour)));
+        self.face_colours = of_faces.collect();
+        let named = || self.add(EntityStatus::Part, EntityData::Name(name));
+        self.name = (!name.is_empty()).then(named);
+    }
+
+    /// The definition of a colour, which is there once.
+    fn colour(&mut self, rgb: [u8; 3]) -> Pointer {
+        if let Some(&known) = self.colours.get(&rgb) {
+            return known;
         }
-        if !name.is_empty() {
-            plan.name = Some(plan.add(EntityStatus::Part, EntityData::Name(name)));
+        let percent = rgb.map(|channel| f64::from(channel) / 2.55);
+        let colour = self.add(EntityStatus::Definition, EntityData::Colour(percent));
+        self.colours.insert(rgb, colour);
+        colour
+    }
+
+    fn subfigure(&mut self, (name, depth): (&'a str, usize), members: Vec<Pointer>) -> Pointer {
+        self.named(EntityStatus::Definition, EntityData::Subfigure { depth, name, members })
+    }
+
+    fn instance(
+        &mut self,
+        status: EntityStatus,
+        subfigure: Pointer,
+        matrix: Option<Pointer>,
+    ) -> Pointer {
+        let (label, name, colour) = (self.label.clone(), self.name, self.colour);
+        let body = EntityData::Instance(subfigure);
+        self.entities.push(Entity { body, status, label, name, colour, matrix });
+        self.last()
+    }
+
+    /// The root entities of a model, each with the face that it is.
+    fn of_brep(&mut self, brep: &'a Brep, form: Form) -> Vec<Root<'a>> {
+        match form {
+            Form::Trimmed => self.trimmed(brep),
+            Form::Brep => self.bodies(brep),
         }
-        plan
+    }
+
+    /// The faces as trimmed surfaces (144).
+    fn trimmed(&mut self, brep: &'a Brep) -> Vec<Root<'a>> {
+        let surfaces = self.surfaces(brep);
+        let mut faces = Vec::with_capacity(brep.faces.len());
+        for (number, data) in brep.faces.iter().enumerate() {
+            let face = self.trimmed_face(brep, data, &surfaces[data.surface.0]);
+            faces.push((face, Some(number)));
+        }
+        faces
+    }
+
+    /// Solids (186) and open shells (514 form 2) for sheets, with shared edges.
+    fn bodies(&mut self, brep: &'a Brep) -> Vec<Root<'a>> {
+        let lists = self.edge_list(brep);
+        let surfaces = self.surfaces(brep);
+        let mut faces = Vec::with_capacity(brep.faces.len());
+        for (number, data) in brep.faces.iter().enumerate() {
+            let surface = &surfaces[data.surface.0];
+            let face = self.shell_face(brep, data, surface, lists);
+            let forward = surface.agrees(data);
+            faces.push((self.coloured(EntityStatus::Part, face, Some(number)), forward));
+        }
+        let shell = |ShellId(shell): ShellId| {
+            let shell = &brep.shells[shell];
+            let faces = shell.faces.iter().map(|FaceId(face)| faces[*face]).collect();
+            EntityData::Shell { faces, closed: shell.closed }
+        };
+        let mut roots = Vec::new();
+        for solid in &brep.solids {
+            let outer = self.coloured(EntityStatus::Part, shell(solid.outer), None);
+            let mut voids = Vec::with_capacity(solid.voids.len());
+            for void in &solid.voids {
+                voids.push(self.coloured(EntityStatus::Part, shell(*void), None));
+            }
+            roots.push((EntityData::Solid { outer, voids }, None));
+        }
+        roots.extend(brep.sheets().map(|sheet| (shell(sheet), None)));
+        roots
+    }
+
+    fn last(&self) -> Pointer {
+        Pointer(2 * self.entities.len() - 1)
     }
 
     pub(super) fn add(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
@@ -84,30 +180,44 @@ impl<'a> Plan<'a> {
     ) -> Pointer {
         let (label, name, colour) = (String::new(), None, None);
         self.entities.push(Entity { body, status, label, name, colour, matrix });
-        Pointer(2 * self.entities.len() - 1)
+        self.last()
     }
 
-    fn coloured(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
-        let colour = self.colour;
+    /// The colour of a face, or that of the part.
+    fn colour_of(&self, face: Option<usize>) -> Option<Pointer> {
+        face.and_then(|face| self.face_colours.get(&face)).copied().or(self.colour)
+    }
+
+    fn coloured(
+        &mut self,
+        status: EntityStatus,
+        body: EntityData<'a>,
+        face: Option<usize>,
+    ) -> Pointer {
         let (label, name, matrix) = (String::new(), None, None);
+        let colour = self.colour_of(face);
         self.entities.push(Entity { body, status, label, name, colour, matrix });
-        Pointer(2 * self.entities.len() - 1)
+        self.last()
     }
 
     /// Adds an entity that users see, with its label, name and colour.
     fn named(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
-        let (label, name, colour) = (self.label.clone(), self.name, self.colour);
+        self.root(status, (body, None))
+    }
+
+    fn root(&mut self, status: EntityStatus, (body, face): Root<'a>) -> Pointer {
+        let (label, name, colour) = (self.label.clone(), self.name, self.colour_of(face));
         self.entities.push(Entity { body, status, label, name, colour, matrix: None });
-        Pointer(2 * self.entities.len() - 1)
+        self.last()
     }
 
     /// Adds the root entities: a single one, or several in a group.
-    fn roots(&mut self, bodies: Vec<EntityData<'a>>) {
+    fn roots(&mut self, bodies: Vec<Root<'a>>) {
         let alone = bodies.len() == 1;
         let status = if alone { EntityStatus::Independent } else { EntityStatus::Member };
         let mut members = Vec::with_capacity(bodies.len());
         for body in bodies {
-            members.push(self.named(status, body));
+            members.push(self.root(status, body));
         }
         if !alone {
             self.named(EntityStatus::Independent, EntityData::Group(members));

@@ -1,6 +1,6 @@
 //! A scene as one mesh.
 
-use super::{NodeContent, Placement, Scene, SceneForm, SceneMesh, SceneNode};
+use super::{ColourRuns, NodeContent, Placement, Scene, SceneForm, SceneMesh, SceneNode};
 use crate::limits::check_room;
 use crate::{Error, Result, Soup};
 
@@ -64,6 +64,29 @@ impl Scene {
         Ok(all)
     }
 
+    /// All meshes in their places as one mesh with the colours of its polygons. `None` unless there are several.
+    ///
+    /// # Errors
+    /// Those of [`into_soup`](Self::into_soup).
+    pub fn painted(&self) -> Result<Option<SceneMesh>> {
+        let (mut runs, mut count) = (ColourRuns::default(), 0);
+        for (node, mesh) in self.placed() {
+            let own = node.colour.or(mesh.colour).or(mesh.soup.colour);
+            for (run, value) in mesh.colours.iter() {
+                runs.extend_to(count + run.end, node.colour.or(mesh.colours.values()[value]));
+            }
+            count += mesh.soup.polygons.len();
+            runs.extend_to(count, own);
+        }
+        let mut painted = SceneMesh::default();
+        runs.give(&mut painted);
+        if painted.colours.is_empty() {
+            return Ok(None);
+        }
+        painted.soup = self.clone().into_soup()?;
+        Ok(Some(painted))
+    }
+
     /// The nodes with a mesh, and their meshes.
     pub(super) fn placed(&self) -> impl Iterator<Item = (&SceneNode, &SceneMesh)> {
         self.nodes.iter().filter_map(|node| match node.content {
@@ -86,7 +109,7 @@ impl Scene {
         colours.all(|colour| colour == Some(first)).then_some(first)
     }
 
-    fn check_expansion(&self) -> Result<()> {
+    pub(super) fn check_expansion(&self) -> Result<()> {
         let of = |mesh: &SceneMesh| {
             soup_bytes(mesh.soup.points.len() as u64, mesh.soup.polygons.len() as u64)
         };

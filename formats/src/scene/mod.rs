@@ -3,13 +3,16 @@
 //! All readers of meshes return a [`Scene`]. A file with one mesh is a scene with one node. A mesh is held once,
 //! however many nodes place it. The scene knows nothing of surfaces.
 
+mod crop;
 mod flat;
 mod name;
 mod note;
 mod placement;
 mod query;
 mod runs;
+mod same;
 mod split;
+mod up;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -21,11 +24,15 @@ pub use placement::Placement;
 use placement::{MatrixColumns, UNIT};
 pub use runs::PolygonRuns;
 pub(crate) use runs::{ColourRuns, GroupRuns};
+pub use up::UpAxis;
 
 use crate::{LengthUnit, Soup};
 
 /// The most nodes of a scene. A node takes about 400 bytes.
 pub(crate) const MOST_NODES: usize = 1 << 17;
+
+/// The greatest depth of groups. Programs that read CAD files go down by recursion.
+pub(crate) const MOST_DEPTH: u32 = 256;
 
 crate::numbered::number! {
     /// The number of a node in [`Scene::nodes`].
@@ -52,6 +59,8 @@ pub struct Scene {
     pub is_y_up: bool,
     /// What the user should know about how the file was read.
     pub notes: Vec<SceneNote>,
+    /// How the scene was turned after it was read ([`Scene::with_up`]).
+    turn: Option<Placement>,
     /// The path of the file, for errors.
     file: PathBuf,
     /// The number of bytes that were read, which bounds what the scene expands to.

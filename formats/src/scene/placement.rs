@@ -59,6 +59,14 @@ impl Placement {
         determinant(&self.axes) < 0.0
     }
 
+    /// The same, or nothing but the identity if it is that but for rounding.
+    pub(super) fn rounded_to_identity(self) -> Placement {
+        let is_near = |a: f64, b: f64| (a - b).abs() <= 16.0 * f64::EPSILON;
+        let mut of_unit = self.axes.iter().flatten().zip(UNIT.iter().flatten());
+        let is_identity = self.translation == [0.0; 3] && of_unit.all(|(a, b)| is_near(*a, *b));
+        if is_identity { Placement::IDENTITY } else { self }
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.axes.iter().chain([&self.translation]).flatten().all(|v| v.is_finite())
     }

@@ -93,12 +93,32 @@ impl Scene {
         let mut scene = Scene::of_mesh(&self.file, self.form_mesh(form).into_owned());
         (scene.unit, scene.unit_comment) = (self.unit, self.unit_comment.clone());
         (scene.is_y_up, scene.notes) = (self.is_y_up, self.notes.clone());
+        if let Some(turn) = self.turn {
+            // Its own frame is turned as the scene is.
+            (scene.nodes[0].placement, scene.nodes[0].as_read) = (turn, Some(turn));
+            scene.turn = Some(turn);
+        }
         scene
     }
 
     /// The number of nodes that place a mesh.
     pub fn place_count(&self) -> usize {
         self.nodes.iter().filter(|node| node.content != NodeContent::Group).count()
+    }
+
+    /// The number of groups around the innermost node.
+    pub fn depth(&self) -> u32 {
+        let mut depths: Vec<u32> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            depths.push(node.parent.map_or(0, |NodeId(parent)| depths[parent] + 1));
+        }
+        depths.into_iter().max().unwrap_or(0)
+    }
+
+    /// The number of parts that are scaled or mirrored in their places. A placement in a CAD file cannot do that.
+    pub fn stretched_count(&self) -> usize {
+        let uses = self.uses();
+        uses.iter().filter(|(form, _)| self.forms[form.0].stretch.is_some()).count()
     }
 
     /// The place of each node in the scene. All are rigid.

@@ -1,16 +1,13 @@
 //! The groups of a mesh as meshes of their own. Equal ones become places of one mesh.
 
-use std::collections::BTreeMap;
-
-use super::placement::rotation_of;
-use super::{ColourRuns, MeshId, Placement, PolygonRuns, Scene, SceneMesh};
-use crate::far::decimal_power;
-use crate::soup::Polygons;
+use super::same::KnownMeshes;
+use super::{ColourRuns, Placement, PolygonRuns, Scene, SceneMesh};
 
 impl Scene {
     /// The scene in which each named group of the only mesh is a place: objects of OBJ, solids of STL. These formats
-    /// have no placements, so groups with the same triangles after a motion become places of one mesh: each vertex must
-    /// agree within the rounding of the file. `None` if the scene has several places, or a mesh without groups.
+    /// have no placements, so groups with the same polygons after a motion become places of one mesh, in whatever order
+    /// they have their points and polygons: each vertex must agree within the rounding of the file. Places whose colour
+    /// differs have their own. `None` if the scene has several places, or a mesh without groups.
     pub fn split_groups(&self) -> Option<Scene> {
         match self.meshes.as_slice() {
             [mesh] if !mesh.groups.is_empty() && self.place_count() == 1 => Some(self.split()),
@@ -22,23 +19,23 @@ impl Scene {
         let mut scene = Scene::new(&self.file, self.bytes);
         (scene.unit, scene.unit_comment) = (self.unit, self.unit_comment.clone());
         (scene.is_y_up, scene.notes) = (self.is_y_up, self.notes.clone());
+        scene.turn = self.turn;
+        let outer = self.turn.unwrap_or(Placement::IDENTITY);
         let mesh = &self.meshes[0];
-        let rounding = rounding(&mesh.soup.points);
-        let mut known: BTreeMap<(usize, u64), Vec<MeshId>> = BTreeMap::new();
+        let mut known = KnownMeshes::new(rounding(&mesh.soup.points));
         for group in groups(mesh) {
-            let name = group.name.clone();
-            let key = (group.soup.points.len(), digest(&group.soup.polygons));
-            let same = known.entry(key).or_default();
-            let found = same.iter().find_map(|&id| {
-                let motion = motion_of(&scene.meshes[id.0], &group, rounding)?;
-                Some((id, motion))
-            });
-            let (id, placement) = found.unwrap_or_else(|| {
-                let id = scene.add_mesh(group);
-                same.push(id);
-                (id, Placement::IDENTITY)
-            });
-            scene.add_place(None, name, &placement, id);
+            let (name, colour) = (group.name.clone(), group.colour);
+            let (id, motion) = match known.find(&scene.meshes, &group) {
+                Ok(found) => found,
+                Err(shape) => {
+                    let id = scene.add_mesh(group);
+                    known.add(id, shape);
+                    (id, Placement::IDENTITY)
+                }
+            };
+            let node = scene.add_place(None, name, &outer.after(&motion), id);
+            let own = colour.filter(|_| colour != scene.meshes[id.0].colour);
+            scene.node_mut(node).colour = own;
         }
         scene
     }
@@ -100,54 +97,49 @@ fn colours(mesh: &SceneMesh) -> Vec<Option<[u8; 3]>> {
     colours
 }
 
-/// The motion that takes `a` to `b`, if they have the same polygons and each vertex agrees within twice the rounding:
-/// the coordinates of both have it. The rotation is that of the least squares of all vertices (Kabsch, 1976).
-fn motion_of(a: &SceneMesh, b: &SceneMesh, rounding: f64) -> Option<Placement> {
-    let is_same = a.soup.polygons == b.soup.polygons
-        && a.colour == b.colour
-        && a.colours == b.colours
-        && a.soup.points.len() == b.soup.points.len();
-    let count = a.soup.points.len() as f64;
-    if !is_same || count == 0.0 {
-        return None;
-    }
-    let mean = |points: &[[f64; 3]]| {
-        let sum = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
-        sum.map(|x| x / count)
-    };
-    let [from, to] = [mean(&a.soup.points), mean(&b.soup.points)];
-    let mut covariance = [[0.0; 3]; 3];
-    for (p, q) in a.soup.points.iter().zip(&b.soup.points) {
-        for (j, column) in covariance.iter_mut().enumerate() {
-            let along = p[j] - from[j];
-            *column = [0, 1, 2].map(|i| column[i] + (q[i] - to[i]) * along);
-        }
-    }
-    let axes = rotation_of(&covariance)?;
-    let turn = Placement::linear(axes);
-    let turned = turn.apply(from);
-    let motion = Placement { axes, translation: [0, 1, 2].map(|i| to[i] - turned[i]) };
-    let is_near = |(p, q): (&[f64; 3], &[f64; 3])| {
-        let moved = motion.apply(*p);
-        (0..3).all(|i| (moved[i] - q[i]).abs() <= 2.0 * rounding)
-    };
-    a.soup.points.iter().zip(&b.soup.points).all(is_near).then_some(motion)
-}
+/// The most coordinates whose digits are counted. They are spread over the file.
+const COUNTED: usize = 100_000;
 
-/// The step between numbers of the file: that of its decimal digits, or that of single precision.
+/// The step between numbers of the file at its largest coordinate: that of the significant digits that its numbers have,
+/// or four steps of single precision, which are the errors of a product of a matrix and a vertex.
 fn rounding(points: &[[f64; 3]]) -> f64 {
-    let reach = points.as_flattened().iter().filter(|x| x.is_finite());
-    let reach = reach.fold(0.0, |reach: f64, x| reach.max(x.abs()));
-    let single = f64::from(f32::EPSILON) * reach;
-    decimal_power(points).map_or(single, |power| single.max(1.0 / power))
+    let all = points.as_flattened();
+    let reach = all.iter().filter(|x| x.is_finite()).fold(0.0, |reach: f64, x| reach.max(x.abs()));
+    let single = 4.0 * f64::from(f32::EPSILON) * reach;
+    let counted = all.iter().step_by(all.len().div_ceil(COUNTED).max(1));
+    let digits = counted.map(|x| significant_digits(*x)).max().unwrap_or(0);
+    if digits > f32::DIGITS as usize + 1 || reach == 0.0 {
+        // Whether these are the digits of single or of fixed decimals, the step of the digits may be the larger one.
+        return single.max(step(reach, digits)).max(f64::MIN_POSITIVE);
+    }
+    step(reach, digits)
 }
 
-/// A number that differs for most other polygons (FNV-1a).
-fn digest(polygons: &Polygons) -> u64 {
-    let numbers = polygons.iter().flat_map(|polygon| {
-        std::iter::once(polygon.len() as u64).chain(polygon.iter().map(|&corner| corner.into()))
-    });
-    numbers.fold(0xcbf2_9ce4_8422_2325, |digest, number| {
-        (digest ^ number).wrapping_mul(0x0100_0000_01b3)
-    })
+/// The step between numbers of so many significant digits at a number.
+fn step(at: f64, digits: usize) -> f64 {
+    let exponent = if at > 0.0 { at.log10().floor() } else { 0.0 };
+    10f64.powf(exponent + 1.0 - digits as f64)
+}
+
+/// The number of digits that a number needs, without zeros at its ends.
+fn significant_digits(x: f64) -> usize {
+    // The shortest digits that give the number again: d.ddde±x.
+    let text = format!("{:e}", x.abs());
+    text.bytes().take_while(|b| *b != b'e').filter(u8::is_ascii_digit).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_step_is_that_of_the_digits() {
+        let of = |x: f64| rounding(&[[x, 1.5, 0.0]]);
+        assert!((of(2970.12) - 0.01).abs() < 1e-9);
+        // %g: the small number has more decimals than the large one.
+        assert!((rounding(&[[123.456, 5.12345, 0.0]]) - 1e-3).abs() < 1e-12);
+        let single = 4.0 * f64::from(f32::EPSILON);
+        assert!((of(f64::from(0.1_f32 * 3.0)) / (1.5 * single) - 1.0).abs() < 1e-9);
+        assert_eq!([0.0, 1.5, 2970.12, 1e-7, 100.0].map(significant_digits), [1, 2, 6, 1, 1]);
+    }
 }

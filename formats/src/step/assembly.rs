@@ -8,7 +8,8 @@ use std::io;
 
 use super::part21::{Id, List, Part21, Text, add};
 use super::product::{ProductEntity, ProductNames, ProductWriter};
-use super::shape::{self, PartColours, ShapeEntity};
+use super::shape::{self, ShapeEntity, StepColours};
+use super::style;
 use super::{Options, Schema};
 use crate::assembly::{Assembly, AssemblyGroup, Member, Product};
 use crate::number::StepReal;
@@ -33,14 +34,13 @@ pub(super) fn write(
         let product = products.write(file, &names)?;
         let colours = match options.schema {
             // It has no colours.
-            Schema::Ap203 => PartColours::default(),
-            _ => PartColours { part: part.colour, faces: &part.face_colours },
+            Schema::Ap203 => StepColours::default(),
+            _ => StepColours { part: part.colour, faces: &part.face_colours },
         };
         let shape = shape::write(file, brep, (product.shape, colours))?;
         parts.push((product, shape));
     }
-    let uncertainties = assembly.parts.iter().map(|part| part.brep.uncertainty_mm);
-    let space = shape::space(file, uncertainties.fold(f64::MIN_POSITIVE, f64::max))?;
+    let space = shape::space(file, assembly.uncertainty_mm())?;
     let mut groups: Vec<Written> = Vec::with_capacity(assembly.groups.len());
     let mut occurrences = 0;
     for group in &assembly.groups {
@@ -50,8 +50,8 @@ pub(super) fn write(
         let (shape, places) = group_shape(file, group, (product, space))?;
         for (member, place) in group.members.iter().zip(places) {
             let (inner, of_inner) = match member.product {
-                Product::Part(part) => parts[part],
-                Product::Group(inner) => groups[inner],
+                Product::Part(part) => &parts[part],
+                Product::Group(inner) => &groups[inner],
             };
             occurrences += 1;
             let used = add!(
@@ -61,7 +61,8 @@ pub(super) fn write(
                 product.definition,
                 inner.definition
             )?;
-            occurrence(file, used, (shape, place), of_inner)?;
+            let colour = member.colour.filter(|_| options.schema != Schema::Ap203);
+            occurrence(file, used, (&shape, place), (of_inner, colour))?;
         }
         groups.push((product, shape));
     }
@@ -83,7 +84,7 @@ fn group_shape(
     let name = Text(&group.name);
     let representation = add!(file, "SHAPE_REPRESENTATION({name},{},{space})", List(&items))?;
     add!(file, "SHAPE_DEFINITION_REPRESENTATION({},{representation})", product.shape)?;
-    Ok((ShapeEntity { representation, origin }, places))
+    Ok((ShapeEntity { representation, origin, coloured: Vec::new(), space }, places))
 }
 
 /// Writes an `AXIS2_PLACEMENT_3D`.
@@ -99,12 +100,13 @@ fn place(file: &mut Part21<'_>, placement: &Placement) -> io::Result<Id> {
     add!(file, "AXIS2_PLACEMENT_3D('',{point},{z},{x})")
 }
 
-/// Writes where a member is: the map of its origin to a placement of the group.
+/// Writes where a member is: the map of its origin to a placement of the group. If its colour there is another one, that
+/// overrides those of its items.
 fn occurrence(
     file: &mut Part21<'_>,
     used: Id,
-    (group, place): (ShapeEntity, Id),
-    member: ShapeEntity,
+    (group, place): (&ShapeEntity, Id),
+    (member, colour): (&ShapeEntity, Option<[u8; 3]>),
 ) -> io::Result<()> {
     let shape = add!(file, "PRODUCT_DEFINITION_SHAPE('Placement','Placement of an item',{used})")?;
     let map = add!(file, "ITEM_DEFINED_TRANSFORMATION('','',{},{place})", member.origin)?;
@@ -116,7 +118,11 @@ fn occurrence(
         member.representation,
         group.representation
     )?;
-    add!(file, "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION({relation},{shape})").map(drop)
+    add!(file, "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION({relation},{shape})")?;
+    let Some(colour) = colour.filter(|_| !member.coloured.is_empty()) else { return Ok(()) };
+    let own = add!(file, "SHAPE_REPRESENTATION('',({place}),{})", member.space)?;
+    add!(file, "SHAPE_DEFINITION_REPRESENTATION({shape},{own})")?;
+    style::override_at(file, &member.coloured, (colour, own, member.space))
 }
 
 /// Identifiers of products: their names, with a number where a name comes again.

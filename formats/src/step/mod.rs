@@ -17,10 +17,10 @@ mod style;
 use std::io;
 
 use crate::assembly::Assembly;
-use crate::brep::Brep;
+use crate::brep::{Brep, FaceId};
 use part21::{FileHeader, Part21};
 use product::{ProductNames, ProductWriter};
-use shape::PartColours;
+use shape::StepColours;
 
 /// The application protocol of a file. The default is AP242.
 ///
@@ -49,6 +49,8 @@ pub struct Options {
     /// The colour of the faces (sRGB). `None` writes no colour. AP203 has no colours, so it is
     /// ignored there.
     pub colour: Option<[u8; 3]>,
+    /// The colours of faces that have another one.
+    pub face_colours: Vec<(FaceId, [u8; 3])>,
 }
 
 impl Default for Options {
@@ -58,6 +60,7 @@ impl Default for Options {
             time_stamp: "1970-01-01T00:00:00".into(),
             originating_system: "scan2step".into(),
             colour: None,
+            face_colours: Vec::new(),
         }
     }
 }
@@ -82,8 +85,10 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
     let mut file = Part21::begin(out, &header)?;
     let names = ProductNames { id: &brep.name, name: &brep.name, description: &brep.description };
     let product = ProductWriter::begin(&mut file, options)?.write(&mut file, &names)?;
-    let colour = options.colour.filter(|_| options.schema != Schema::Ap203);
-    let colours = PartColours { part: colour, faces: &[] };
+    let colours = match options.schema {
+        Schema::Ap203 => StepColours::default(),
+        _ => StepColours { part: options.colour, faces: &options.face_colours },
+    };
     shape::write(&mut file, brep, (product.shape, colours))?;
     file.end()
 }
@@ -100,18 +105,12 @@ pub fn write_assembly(
     out: &mut dyn io::Write,
 ) -> io::Result<()> {
     assembly.check()?;
-    let name = assembly.groups.last().map(|group| group.name.as_str()).unwrap_or_default();
-    let has_splines_only = assembly.parts.iter().all(|part| part.brep.has_splines_only());
     let header = FileHeader {
-        name,
+        name: assembly.name(),
         time_stamp: &options.time_stamp,
         originating_system: &options.originating_system,
         schema: product::file_schema(options.schema),
-        content: if has_splines_only {
-            "Assembly of trimmed B-spline surfaces"
-        } else {
-            "Assembly of trimmed surfaces"
-        },
+        content: assembly.content(),
     };
     let mut file = Part21::begin(out, &header)?;
     assembly::write(&mut file, assembly, options)?;

@@ -14,18 +14,22 @@ use crate::number::StepReal;
 
 /// The colours of a part: its own, and those of faces that differ.
 #[derive(Clone, Copy, Default)]
-pub(super) struct PartColours<'a> {
+pub(super) struct StepColours<'a> {
     pub(super) part: Option<[u8; 3]>,
     pub(super) faces: &'a [(FaceId, [u8; 3])],
 }
 
 /// The shape of a product that was written.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct ShapeEntity {
     /// Its representation.
     pub(super) representation: Id,
     /// The placement in it that is at its origin.
     pub(super) origin: Id,
+    /// The items that have the colour of the part, each with its `STYLED_ITEM`.
+    pub(super) coloured: Vec<[Id; 2]>,
+    /// The context of the representation.
+    pub(super) space: Id,
 }
 
 /// Writes the shape, connects it to the product's `PRODUCT_DEFINITION_SHAPE`, and gives it its
@@ -33,7 +37,7 @@ pub(super) struct ShapeEntity {
 pub(super) fn write(
     file: &mut Part21<'_>,
     brep: &Brep,
-    (definition, colours): (Id, PartColours<'_>),
+    (definition, colours): (Id, StepColours<'_>),
 ) -> io::Result<ShapeEntity> {
     let space = space(file, brep.uncertainty_mm)?;
     let plane = add!(
@@ -67,10 +71,13 @@ pub(super) fn write(
         .iter()
         .filter_map(|(face, colour)| faces.get(face.0).map(|&face| (face, *colour)));
     let styled: Vec<(Id, [u8; 3])> = of_part.chain(of_faces).collect();
+    let mut coloured = Vec::new();
     if !styled.is_empty() {
-        style::write(file, &styled, space)?;
+        let items = style::write(file, &styled, space)?;
+        let of_part = if colours.part.is_some() { models.len() } else { 0 };
+        coloured.extend(models.iter().zip(items).take(of_part).map(|(&model, item)| [model, item]));
     }
-    Ok(ShapeEntity { representation: shape, origin })
+    Ok(ShapeEntity { representation: shape, origin, coloured, space })
 }
 
 /// Writes a `MANIFOLD_SOLID_BREP`, or a `BREP_WITH_VOIDS` if the solid has voids. The normals of

@@ -20,7 +20,7 @@ fn turned(x: f64) -> Placement {
 }
 
 fn member(name: &str, placement: Placement, product: Product) -> Member {
-    Member { name: name.into(), placement, product }
+    Member { name: name.into(), placement, colour: None, product }
 }
 
 /// A pair of a cube and a torus, twice, and a cube.

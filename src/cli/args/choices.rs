@@ -42,6 +42,28 @@ pub enum Origin {
     Keep,
 }
 
+/// The axis that points up in the result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Up {
+    /// Leave the numbers as they are
+    Keep,
+    /// Turn the scan so that y points up, as in glTF
+    Y,
+    /// Turn the scan so that z points up, as in CAD programs
+    Z,
+}
+
+impl Up {
+    /// Its word on the command line.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Up::Keep => "keep",
+            Up::Y => "y",
+            Up::Z => "z",
+        }
+    }
+}
+
 /// How a run shows its progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Steps {

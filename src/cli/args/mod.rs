@@ -15,7 +15,7 @@ use clap::{ArgMatches, Args, Parser, Subcommand, ValueHint};
 use scan2step::mesh::Choice;
 
 pub use choices::{
-    Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps, SurfacesChoice,
+    Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps, SurfacesChoice, Up,
 };
 pub use colour::Colour;
 pub use files::{CadFile, CadKind, cad_file, report_file};

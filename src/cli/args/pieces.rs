@@ -5,7 +5,7 @@ use formats::points::{Columns, ReadOptions};
 use scan2step::mesh::{Choice, Components, Outer};
 use scan2step::{Builder, Options};
 
-use super::choices::{Origin, Unit};
+use super::choices::{Origin, Unit, Up};
 use super::colour::Colour;
 use super::files::{InputFile, input_file};
 use super::headings::{CLOUD, RUN, SCAN};
@@ -22,6 +22,10 @@ pub struct Scale {
     /// [default: a thousandth of the edges there]
     #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true, help_heading = SCAN)]
     pub weld: Option<f64>,
+    /// The axis that points up in the result. The scan is turned about x if another one does in its format: y in
+    /// glTF, z in all others. Places that are named are those of the turned scan
+    #[arg(long, value_enum, default_value_t = Up::Keep, help_heading = SCAN)]
+    pub up: Up,
 }
 
 /// Options of scans that are clouds of points.
@@ -207,6 +211,17 @@ pub enum PartsChoice {
     Merge,
     Number(usize),
     Name(String),
+}
+
+impl std::fmt::Display for PartsChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            PartsChoice::Keep => f.write_str("keep"),
+            PartsChoice::Merge => f.write_str("merge"),
+            PartsChoice::Number(number) => write!(f, "{number}"),
+            PartsChoice::Name(name) => write!(f, "name:{name}"),
+        }
+    }
 }
 
 pub fn parts(text: &str) -> Result<PartsChoice, String> {

@@ -2,7 +2,7 @@
 //! file, and a run that is stopped loses only the scan that it is converting.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -75,7 +75,8 @@ impl Stamp {
     /// The stamp of a scan that can be read.
     pub fn of(scan: &Path) -> Option<Stamp> {
         let meta = std::fs::metadata(scan).ok()?;
-        let modified_ns = (!has_parts(scan)).then(|| modified_ns(&meta)).flatten();
+        let is_alone = !has_buffers(scan) && materials(scan).is_empty();
+        let modified_ns = is_alone.then(|| modified_ns(&meta)).flatten();
         Some(Stamp { bytes: meta.len(), modified_ns, sha256: content(scan)? })
     }
 
@@ -93,23 +94,50 @@ fn modified_ns(meta: &std::fs::Metadata) -> Option<u128> {
 }
 
 /// Whether the scan may have its numbers in other files, as glTF does.
-fn has_parts(scan: &Path) -> bool {
+fn has_buffers(scan: &Path) -> bool {
     matches!(Format::by_extension(scan), Some(Format::Gltf | Format::Glb))
+}
+
+/// The files of materials that an OBJ names, which are beside it.
+fn materials(scan: &Path) -> Vec<PathBuf> {
+    if Format::by_extension(scan) != Some(Format::Obj) {
+        return Vec::new();
+    }
+    let Ok(file) = File::open(scan) else { return Vec::new() };
+    let lines = BufReader::new(file).split(b'\n').map_while(Result::ok);
+    let names = lines.filter_map(|line| {
+        let name = line.trim_ascii_start().strip_prefix(b"mtllib")?.trim_ascii();
+        Some(scan.with_file_name(String::from_utf8_lossy(name).as_ref()))
+    });
+    names.collect()
 }
 
 /// A hash of the scan's content, other files included.
 fn content(scan: &Path) -> Option<String> {
-    if !has_parts(scan) {
-        return hash_of(scan).ok().map(|(_, sha256)| sha256);
+    if !has_buffers(scan) {
+        let (_, own) = hash_of(scan).ok()?;
+        let materials = materials(scan);
+        if materials.is_empty() {
+            return Some(own);
+        }
+        // A file of materials that is missing is one, too.
+        let each =
+            materials.iter().map(|file| hash_of(file).map_or(String::new(), |(_, hash)| hash));
+        let all: String = std::iter::once(own).chain(each).collect();
+        return Some(output::hexadecimal(&Sha256::digest(all)));
     }
-    let soup = formats::read_scan(scan).ok()?;
+    let scene = formats::read_scene(scan).ok()?;
     let mut hash = Sha256::new();
-    soup.points.iter().flatten().for_each(|x| hash.update(x.to_le_bytes()));
-    for polygon in soup.polygons.iter() {
-        hash.update((polygon.len() as u64).to_le_bytes());
-        polygon.iter().for_each(|corner| hash.update(corner.to_le_bytes()));
+    for mesh in scene.meshes() {
+        let soup = &mesh.soup;
+        soup.points.iter().flatten().for_each(|x| hash.update(x.to_le_bytes()));
+        for polygon in soup.polygons.iter() {
+            hash.update((polygon.len() as u64).to_le_bytes());
+            polygon.iter().for_each(|corner| hash.update(corner.to_le_bytes()));
+        }
+        hash.update(format!("{:?} {:?} {:?}", mesh.name, mesh.colour, mesh.colours));
     }
-    hash.update(format!("{:?} {:?}", soup.unit, soup.colour));
+    hash.update(format!("{:?} {:?} {:?}", scene.unit, scene.nodes(), scene.forms()));
     Some(output::hexadecimal(&hash.finalize()))
 }
 

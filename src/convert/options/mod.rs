@@ -117,6 +117,11 @@ impl Default for Options {
 }
 
 impl Options {
+    /// Whether no part of the scan is left out by its place.
+    pub fn keeps_all(&self) -> bool {
+        self.cloud.crop.keeps_all()
+    }
+
     /// Options to change one by one.
     pub fn builder() -> Builder {
         Builder::default()

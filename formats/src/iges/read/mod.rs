@@ -9,37 +9,45 @@ mod faces;
 mod geometry;
 mod parameters;
 mod shape;
+mod subfigures;
 
 use std::path::Path;
 
 use crate::Result;
 use crate::cad::affine::Affine;
-use crate::cad::{CadModel, CadSolid};
+use crate::cad::{CadFace, CadModel, CadSolid};
 use deck::Deck;
 pub(crate) use deck::is_iges;
 use faces::FaceReader;
+use subfigures::Subfigures;
 
 /// Reads every visible face in `bytes`, which is the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let deck = Deck::new(path, bytes)?;
     let (sender, unit_mm) = global(&deck)?;
     let unit = Affine::scaling(unit_mm);
-    let mut model = CadModel { name: name(&deck)?.unwrap_or(sender), ..CadModel::default() };
+    let subfigures = Subfigures::read(&deck, unit_mm)?;
+    // The first name of an assembly is that of a part.
+    let own = if subfigures.are_there() && !sender.is_empty() { None } else { name(&deck)? };
+    let mut model = CadModel { name: own.unwrap_or(sender), ..CadModel::default() };
     let mut faces = FaceReader::new(&deck);
     let entries = || (1..).step_by(2).zip(&deck.directory).filter(|(_, e)| e.visible);
     let mut in_solids = Vec::new();
     for (pointer, entry) in entries() {
         match entry.kind {
-            144 => model.faces.push(faces.trimmed(pointer, &unit)?),
-            186 => in_solids.extend(faces.shells(pointer)?),
-            143 | 408 => {
-                let what = format!("is of an unsupported type: {}", entry.kind);
-                return Err(deck.unread(pointer, what));
+            144 => {
+                let places = subfigures.places(pointer);
+                if !places.is_empty() {
+                    model.faces.push(CadFace { places, ..faces.trimmed(pointer, &unit)? });
+                }
             }
+            186 => in_solids.extend(faces.shells(pointer)?),
+            143 => return Err(deck.unread(pointer, "is of an unsupported type: 143")),
             _ => {}
         }
     }
     for (pointer, entry) in entries() {
+        let before = [model.faces.len(), model.shells.len(), model.solids.len()];
         match entry.kind {
             // The matrix of a solid places its shells.
             514 if !in_solids.contains(&pointer) => {
@@ -53,10 +61,21 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
                 }
                 model.solids.push(CadSolid { outer: shells[0], voids: shells.split_off(1) });
             }
-            114 | 118 | 120 | 122 | 128 | 140 if entry.independent => {
+            114 | 118 | 120 | 122 | 128 | 140 if entry.independent || subfigures.has(pointer) => {
                 model.faces.push(faces.whole(pointer, &unit)?);
             }
             _ => {}
+        }
+        let [first, shells, solids] = before;
+        if first < model.faces.len() {
+            let places = subfigures.places(pointer);
+            if places.is_empty() {
+                // No instance shows it.
+                model.faces.truncate(first);
+                model.shells.truncate(shells);
+                model.solids.truncate(solids);
+            }
+            model.faces[first..].iter_mut().for_each(|face| face.places = places.clone());
         }
     }
     // Some programs write faces that belong to no shell.
