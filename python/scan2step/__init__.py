@@ -10,6 +10,7 @@ faces, or a watertight solid. Lengths are millimetres, whatever the unit of the 
 >>> made.write("relief.step")  # doctest: +SKIP
 """
 
+from ._assembly import Assembly, Node, Part, Place
 from ._conversion import Arc, Conversion, Curve, Cylinder, Ellipse, Face, Loop, Relation, Surface
 from ._errors import (
     FileError,
@@ -28,6 +29,7 @@ from ._scan2step import __version__
 
 __all__ = [
     "Arc",
+    "Assembly",
     "Conversion",
     "Curve",
     "Cylinder",
@@ -38,7 +40,10 @@ __all__ = [
     "InternalError",
     "Loop",
     "MemoryBoundError",
+    "Node",
     "OptionError",
+    "Part",
+    "Place",
     "Relation",
     "Scan",
     "Scan2StepError",

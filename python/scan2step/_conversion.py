@@ -381,10 +381,13 @@ class Conversion:
         if extension == ".png":
             return self.png()
         if extension == ".json":
-            return self._made.report_json().encode()
+            return self._report_json().encode()
         raise OptionError(
             f"{path}: no known extension", "name .step, .stp, .igs, .iges, .html, .png or .json"
         )
+
+    def _report_json(self) -> str:
+        return self._made.report_json()
 
     def to_occ(self) -> Any:
         """The result as a ``TopoDS_Shape`` of OCP (``pip install cadquery-ocp``)."""

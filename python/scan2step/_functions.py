@@ -8,9 +8,10 @@ import tempfile
 from typing import Any, Callable, Dict, Optional, Sequence, Tuple, Union
 
 from . import _scan2step
+from ._assembly import Assembly
 from ._conversion import Conversion
 from ._errors import FileError, OptionError
-from ._scan import Path, scan_of
+from ._scan import Path, Scan, scan_of
 
 Place = Union[int, Sequence[float]]
 
@@ -52,6 +53,9 @@ def convert(
     max_points: Optional[int] = None,
     scan_number: Optional[int] = None,
     origin: str = "local",
+    parts: Optional[str] = None,
+    strict: bool = False,
+    up: str = "keep",
     threads: Optional[int] = None,
     max_memory: Optional[int] = None,
     progress: Optional[Callable[[str, float], Any]] = None,
@@ -94,6 +98,10 @@ def convert(
     :param remove_plane: leave out the largest plane that has the rest of the scan on one side: the turntable.
     :param spacing: thin a cloud to this distance between neighbours.
     :param origin: ``"local"``, or ``"keep"`` to put the result of a far scan where the scan is.
+    :param parts: of a file with several: ``"keep"``, each once, placed as in the file: the result is an
+        :class:`Assembly`; ``"merge"``, all as one mesh. Without, they are kept if all meshes are closed.
+    :param strict: a part that cannot be converted is an error. Without, it is left out and has an ``error``.
+    :param up: ``"z"`` or ``"y"`` turns a mesh so that this axis points up; ``"keep"`` leaves the numbers.
     :param threads: how many threads share the work. The result does not depend on it.
     :param max_memory: the number of bytes that the conversion may need.
     :param progress: is called with the name of a stage and the share of it that is done, on the
@@ -116,9 +124,13 @@ def convert(
     options: Dict[str, Any] = {
         key: value
         for key, value in locals().items()
-        if key not in ("scan", "faces", "progress", "name")
+        if key not in ("scan", "faces", "progress", "name", "parts", "strict", "up")
     }
+    if parts not in (None, "keep", "merge"):
+        raise OptionError(f"parts: {parts!r} is not keep or merge", "name one of them", option="parts")
     read = scan_of(scan, faces)
+    if up != "keep":
+        read = Scan(read._made.turned(up))
     if keep_fills and fill_only_holes_below is not None:
         raise OptionError(
             "fill_only_holes_below: keep_fills fills all holes",
@@ -126,6 +138,19 @@ def convert(
             option="fill_only_holes_below",
         )
     options["name"] = part_name(read._made.file) if name is None else name
+    names_place = (
+        outer is not None
+        or corners is not None
+        or not isinstance(boundary_corners, str)
+        or isinstance(component, int)
+    )
+    if parts == "keep" and names_place:
+        raise OptionError("parts: a place or a component of one mesh is named", "leave it out", option="parts")
+    if parts != "merge" and read._made.place_count > 1 and not names_place:
+        chosen = (parts == "keep", strict, up)
+        assembly = _scan2step.convert_parts(read._made, options, chosen, progress)
+        if assembly is not None:
+            return Assembly(assembly, options["name"])
     return Conversion(_scan2step.convert(read._made, options, progress), options["name"])
 
 

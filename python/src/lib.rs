@@ -3,6 +3,7 @@
 //! to the objects of other packages.
 
 mod arrays;
+mod assembly;
 mod conversion;
 mod errors;
 mod face;
@@ -14,6 +15,8 @@ mod tasks;
 /// The compiled part of scan2step. Use the package's functions instead.
 #[pyo3::pymodule]
 mod _scan2step {
+    #[pymodule_export]
+    use super::assembly::{Assembly, convert_parts};
     #[pymodule_export]
     use super::conversion::Conversion;
     #[pymodule_export]

@@ -6,7 +6,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use scan2step::formats::points::{PointScan, ReadOptions};
-use scan2step::formats::{Content, LengthUnit, Points, Soup};
+use scan2step::formats::scene::UpAxis;
+use scan2step::formats::{Content, LengthUnit, Points, Scene, SceneContent, Soup};
 
 use crate::{arrays, run};
 
@@ -14,6 +15,10 @@ use crate::{arrays, run};
 #[pyclass(frozen, module = "scan2step._scan2step")]
 pub struct Scan {
     pub content: Content,
+    /// The scene of a file with several meshes or groups.
+    pub scene: Option<Scene>,
+    /// Whether y points up in its format.
+    pub is_y_up: bool,
     /// The file's name, or a name for arrays.
     pub file: String,
 }
@@ -32,8 +37,19 @@ impl Scan {
         let columns =
             columns.map(str::parse).transpose().map_err(PyValueError::new_err::<String>)?;
         let options = ReadOptions { classes, min_intensity, columns };
-        let content = run::run(py, None, None, |_| Ok(options.read_content(&path)?))?;
-        Ok(Scan { content, file: path.display().to_string() })
+        let (content, scene, is_y_up) = run::run(py, None, None, |_| {
+            let content = options.read_scene(&path)?;
+            let scene = match &content {
+                SceneContent::Scene(scene) => {
+                    Some(scene.split_groups().unwrap_or_else(|| scene.clone()))
+                }
+                SceneContent::Points(_) => None,
+            };
+            let is_y_up = scene.as_ref().is_some_and(|scene| scene.is_y_up);
+            let scene = scene.filter(|scene| scene.place_count() > 1);
+            Ok((content.into_content()?, scene, is_y_up))
+        })?;
+        Ok(Scan { content, scene, is_y_up, file: path.display().to_string() })
     }
 
     /// Makes a mesh of vertices and polygons.
@@ -53,7 +69,7 @@ impl Scan {
             return Err(PyValueError::new_err(message));
         }
         faces.rows().into_iter().for_each(|row| soup.polygons.push(row.iter().copied()));
-        Ok(Scan { content: Content::Mesh(soup), file })
+        Ok(Scan { content: Content::Mesh(soup), scene: None, is_y_up: false, file })
     }
 
     /// Makes a cloud of points.
@@ -65,7 +81,7 @@ impl Scan {
         }
         let scan = PointScan { points: 0..positions.len(), ..PointScan::default() };
         let cloud = Points { positions, scans: vec![scan], ..Points::default() };
-        Ok(Scan { content: Content::Points(cloud), file })
+        Ok(Scan { content: Content::Points(cloud), scene: None, is_y_up: false, file })
     }
 
     /// The vertices of a mesh, or the points of a cloud, in the file's unit.
@@ -110,6 +126,27 @@ impl Scan {
             Content::Mesh(soup) => soup.colour.map(|[r, g, b]| (r, g, b)),
             Content::Points(_) => None,
         }
+    }
+
+    /// The scan turned so that an axis points up. Clouds are not turned.
+    fn turned(&self, up: &str) -> PyResult<Scan> {
+        let up = crate::options::word("up", up, &[("y", UpAxis::Y), ("z", UpAxis::Z)])?;
+        let mut content = self.content.clone();
+        let is_y = up == UpAxis::Y;
+        if let (Content::Mesh(soup), true) = (&mut content, is_y != self.is_y_up) {
+            for point in &mut soup.points {
+                let [x, y, z] = *point;
+                *point = if is_y { [x, z, -y] } else { [x, -z, y] };
+            }
+        }
+        let scene = self.scene.clone().map(|scene| scene.with_up(up));
+        Ok(Scan { content, scene, is_y_up: is_y, file: self.file.clone() })
+    }
+
+    /// The number of places of meshes in the file.
+    #[getter]
+    fn place_count(&self) -> usize {
+        self.scene.as_ref().map_or(1, Scene::place_count)
     }
 
     /// What the user should know about how the file was read.

@@ -31,7 +31,7 @@ def test_there_are_ten_examples() -> None:
 def test_an_example_runs(number: int, tmp_path: Path) -> None:
     for package in ("build123d", "matplotlib", "distributed", "trimesh"):
         pytest.importorskip(package)
-    for name in ("relief.ply", "relief.xyz", "ring.obj", "bracket.stl"):
+    for name in ("relief.ply", "relief.xyz", "ring.obj", "bracket.stl", "joint.glb"):
         shutil.copy(FIXTURES / name, tmp_path)
     (tmp_path / "scans").mkdir()
     for name in ("relief.ply", "ring.obj"):
