@@ -10,7 +10,7 @@ import Mesh
 import numpy as np
 import Part
 import scan2step
-from freecad.scan2step_wb import convert, deviation, feature, part
+from freecad.scan2step_wb import assembly, convert, deviation, feature, part
 
 FIXTURES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fixtures")
 
@@ -162,6 +162,26 @@ class Scans(unittest.TestCase):
         self.assertGreater(red[0], red[2])
         self.assertGreater(middle.min(), 0.8)
         self.assertEqual(tuple(off), deviation.GREY)
+
+    def test_an_assembly_is_parts_and_links(self):
+        for name in ("joint.glb", "joint.3mf"):
+            made = scan2step.convert(fixture(name), up="z")
+            whole = assembly.add(self.document, made, "joint")
+            self.assertEqual(whole.TypeId, "App::Part")
+            self.assertEqual(whole.Label, "pipe joint")
+            self.assertEqual([child.TypeId for child in whole.Group], ["App::Link"] * 2 + ["App::Part"] * 4)
+            screw = whole.Group[2]
+            self.assertEqual([link.Label for link in screw.Group], ["bolt", "nut"])
+            links = [*whole.Group[:2], *(link for group in whole.Group[2:] for link in group.Group)]
+            shapes = {link.LinkedObject.Name for link in links}
+            self.assertEqual((len(links), len(shapes)), (10, 3), "each part is there once")
+            box = whole.Group[0].Shape.BoundBox
+            self.assertAlmostEqual(box.ZMax, 0.0, 6)
+            nut = screw.Group[1]
+            self.assertTrue(nut.Shape.isValid())
+            self.assertAlmostEqual(nut.Shape.CenterOfMass.z, -10.5, 4)
+            places = sorted(round(link.Shape.CenterOfMass.x) for group in whole.Group[2:] for link in group.Group)
+            self.assertEqual(places, [-22] * 4 + [22] * 4)
 
     def test_the_addon_has_the_version_of_the_package(self):
         with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "package.xml")) as file:

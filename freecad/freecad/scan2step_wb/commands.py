@@ -7,8 +7,9 @@ import FreeCADGui
 import scan2step
 from PySide import QtGui
 
-from . import convert, deviation, feature, legend, panel, part
+from . import assembly, convert, deviation, feature, legend, panel, part
 from .view import ICONS
+from .worker import FileWorker
 
 
 def selected(kind):
@@ -117,6 +118,43 @@ class Export(Command):
             export(result, path)
 
 
+class Assembly(Command):
+    name, title = "Scan2Step_Assembly", "Import an assembly …"
+    told = "Convert the parts of a glTF, 3MF, OBJ or STL file, each once, and place them as in the file"
+    worker = None
+
+    def IsActive(self):
+        return Assembly.worker is None
+
+    def Activated(self, index=0):
+        kinds = "Files with parts (*.glb *.gltf *.3mf *.obj *.stl)"
+        path, _ = QtGui.QFileDialog.getOpenFileName(None, self.title, "", kinds)
+        if path:
+            begin_assembly(path)
+
+
+def begin_assembly(path):
+    """Converts a file in a thread of its own. The parts come into the document when it has finished."""
+    worker = Assembly.worker = FileWorker(path, FreeCADGui.getMainWindow())
+    worker.finished.connect(end_assembly)
+    FreeCADGui.getMainWindow().statusBar().showMessage(f"scan2step converts the parts of {path} …")
+    worker.start()
+    return worker
+
+
+def end_assembly():
+    worker, Assembly.worker = Assembly.worker, None
+    FreeCADGui.getMainWindow().statusBar().clearMessage()
+    if worker.error is not None:
+        show(f"{worker.error}\n{getattr(worker.error, 'help', '')}")
+    elif worker.result.kind != "assembly":
+        show("The file has no parts: import its mesh, and convert that.")
+    else:
+        label = os.path.splitext(os.path.basename(worker.path))[0]
+        document = FreeCAD.ActiveDocument or FreeCAD.newDocument(label)
+        assembly.add(document, worker.result, label)
+
+
 def export(result, path):
     """Writes the bytes that scan2step made."""
     with open(path, "wb") as file:
@@ -155,7 +193,7 @@ def show(text):
     return box
 
 
-COMMANDS = [Convert, Inspect, Colours, HideLegend, Check, Export]
+COMMANDS = [Convert, Assembly, Inspect, Colours, HideLegend, Check, Export]
 
 
 def register():

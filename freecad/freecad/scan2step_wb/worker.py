@@ -10,6 +10,21 @@ class Stopped(Exception):
     """The user pressed Cancel."""
 
 
+class FileWorker(QtCore.QThread):
+    """Converts a file with several parts. ``result`` or ``error`` is set when it has finished."""
+
+    def __init__(self, path, parent=None):
+        super().__init__(parent)
+        self.path = path
+        self.result = self.error = None
+
+    def run(self):
+        try:
+            self.result = scan2step.convert(self.path, parts="keep", up="z")
+        except Exception as error:  # whatever it is, the window has to say it
+            self.error = error
+
+
 class Worker(QtCore.QThread):
     """Converts arrays. ``result`` or ``error`` is set when it has finished."""
 
