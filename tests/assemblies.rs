@@ -269,8 +269,8 @@ fn assert_joint(file: &Path, has_names: bool) -> usize {
         assert_eq!((&place["product"], &place["valid"]), (&name.into(), &true.into()), "{place}");
         let value = |at: &str| place.pointer(at).and_then(Value::as_f64).expect("a number");
         assert!((value("/volume") / volume - 1.0).abs() < 1e-6, "{place}, not {volume}");
-        for k in 0..3 {
-            assert!((value(&format!("/colour/{k}")) - colour[k] / 255.0).abs() < 0.004, "{place}");
+        for (k, of) in colour.iter().enumerate() {
+            assert!((value(&format!("/colour/{k}")) - of / 255.0).abs() < 0.004, "{place}");
         }
         if part == 0 {
             assert!((value("/centre/2") - z).abs() < 1e-4, "{place}");

@@ -39,11 +39,11 @@ impl<'a> NetworkFaces<'a> {
         let NetworkFaces(tree) = self;
         let each = points.par_iter().enumerate().map(|(i, &p)| {
             let (distance, number, at) = tree.nearest_from(p, starts.map(|starts| starts[i]));
-            ((distance, (number, at)), (tree.is_above(p, number, at), number))
+            ((distance, number), ((number, at), tree.is_above(p, number, at)))
         });
-        let (found, (above, faces)): (Vec<(f64, PlaceOnFaces)>, (Vec<bool>, Vec<usize>)) =
-            each.unzip();
-        let (distances, places) = found.into_iter().unzip();
+        let (found, sides): (Vec<_>, Vec<_>) = each.unzip();
+        let (distances, faces) = found.into_iter().unzip();
+        let (places, above) = sides.into_iter().unzip();
         (Deviation { faces, ..Deviation::of(points, distances).with_sides(above) }, places)
     }
 }

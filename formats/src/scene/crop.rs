@@ -29,7 +29,7 @@ impl Scene {
         let mut first = 0;
         let mut stays = vec![false; self.nodes.len()];
         let mut known: BTreeMap<(FormId, Vec<bool>), Option<FormId>> = BTreeMap::new();
-        for number in 0..self.nodes.len() {
+        for (number, stays) in stays.iter_mut().enumerate() {
             let NodeContent::Form(form) = self.nodes[number].content else { continue };
             let mesh = &self.meshes[self.forms[form.0].mesh.0];
             let count = mesh.soup.points.len();
@@ -40,7 +40,7 @@ impl Scene {
             };
             let polygons: Vec<bool> = mesh.soup.polygons.iter().map(is_kept).collect();
             if !polygons.contains(&false) {
-                stays[number] = true;
+                *stays = true;
                 continue;
             }
             let key = (form, polygons);
@@ -54,7 +54,7 @@ impl Scene {
             };
             if let Some(cut) = cut {
                 self.nodes[number].content = NodeContent::Form(cut);
-                stays[number] = true;
+                *stays = true;
             }
         }
         self.kept(|NodeId(node)| stays[node])

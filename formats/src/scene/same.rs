@@ -41,8 +41,11 @@ fn usual(count: f64) -> f64 {
 pub(super) struct KnownMeshes {
     rounding: f64,
     /// By the counts of points and polygons, and by the logarithm of the radius.
-    by_size: BTreeMap<([usize; 2], i64), Vec<(MeshId, MeshInvariants)>>,
+    by_size: BTreeMap<MeshSize, Vec<(MeshId, MeshInvariants)>>,
 }
+
+/// The counts of points and polygons, and the logarithm of the radius in steps.
+type MeshSize = ([usize; 2], i64);
 
 /// What a mesh keeps in a motion, and its distinct points.
 pub(super) struct MeshInvariants {

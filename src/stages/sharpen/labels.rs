@@ -165,14 +165,9 @@ impl Work<'_> {
 
     /// Gives what no region holds to the nearest one beside it, where it is thin.
     fn fill(&mut self) {
+        let mut queue: Vec<usize> = (0..self.of.len()).filter(|&t| self.of[t] != NONE).collect();
         let mut depth = vec![u32::MAX; self.of.len()];
-        let mut queue: Vec<usize> = Vec::new();
-        for t in 0..self.of.len() {
-            if self.of[t] != NONE {
-                depth[t] = 0;
-                queue.push(t);
-            }
-        }
+        queue.iter().for_each(|&t| depth[t] = 0);
         let mut at = 0;
         while let Some(&t) = queue.get(at) {
             at += 1;

@@ -333,10 +333,11 @@ fn placed(
     let smoothed = rings.par_iter().map(|ring| {
         let kept = kept_corners((&out, &measured), ring, options, report.h);
         let feet = smoothed_loop(ring, &kept, &projected, &normals, &noise, surface);
-        let feet = ring.iter().copied().zip(feet).collect();
-        (kept.into_iter().map(|i| ring[i]).collect(), feet)
+        let feet: Vec<(VertexId, Point)> = ring.iter().copied().zip(feet).collect();
+        let kept: Vec<VertexId> = kept.into_iter().map(|i| ring[i]).collect();
+        (kept, feet)
     });
-    let smoothed: Vec<(Vec<VertexId>, Vec<(VertexId, Point)>)> = smoothed.collect();
+    let smoothed: Vec<_> = smoothed.collect();
     for (kept, feet) in smoothed {
         report.corners.extend(kept);
         feet.into_iter().for_each(|(v, foot)| out.mesh.points[v.index()] = foot);

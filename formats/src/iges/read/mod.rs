@@ -37,19 +37,17 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let mut in_solids = Vec::new();
     for (pointer, entry) in entries() {
         match entry.kind {
-            144 => {
+            143 | 144 => {
                 let places = subfigures.places(pointer);
                 if !places.is_empty() {
-                    model.faces.push(CadFace { places, ..faces.trimmed(pointer, &unit)? });
+                    let face = match entry.kind {
+                        143 => faces.bounded(pointer, &unit)?,
+                        _ => faces.trimmed(pointer, &unit)?,
+                    };
+                    model.faces.push(CadFace { places, ..face });
                 }
             }
             186 => in_solids.extend(faces.shells(pointer)?),
-            143 => {
-                let places = subfigures.places(pointer);
-                if !places.is_empty() {
-                    model.faces.push(CadFace { places, ..faces.bounded(pointer, &unit)? });
-                }
-            }
             _ => {}
         }
     }

@@ -41,8 +41,9 @@ pub(super) fn surface(p: &mut Parameters) -> Result<std::result::Result<SplineSu
             for (axis, coordinate) in patch.chunks(CUBIC).enumerate() {
                 let in_u: Vec<[f64; CUBIC]> =
                     coordinate.iter().map(|&powers| bezier(powers, lengths[0])).collect();
-                for a in 0..CUBIC {
-                    let powers = std::array::from_fn(|b| in_u[b][a]);
+                let columns: [[f64; CUBIC]; CUBIC] =
+                    std::array::from_fn(|a| std::array::from_fn(|b| in_u[b][a]));
+                for (a, powers) in columns.into_iter().enumerate() {
                     for (b, value) in bezier(powers, lengths[1]).into_iter().enumerate() {
                         let at = ((CUBIC - 1) * i + a) * across + (CUBIC - 1) * j + b;
                         poles[at][axis] = value;
