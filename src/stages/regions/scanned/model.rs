@@ -200,10 +200,11 @@ pub(super) fn cheapest(
         let count = vertices.len() as f64;
         let gain = SIGNIFICANT * kind.parameters() as f64 * count / CHOICE_SAMPLES as f64;
         let may_win = best.as_ref().is_none_or(|(_, least)| total - gain < *least);
-        if vertices.len() > CHOICE_SAMPLES && may_win {
-            if let Some(better) = model.refitted(scan, vertices, MOST_SAMPLES, MORE_STEPS) {
-                (total, model) = (better.total(scan, vertices), better);
-            }
+        if vertices.len() > CHOICE_SAMPLES
+            && may_win
+            && let Some(better) = model.refitted(scan, vertices, MOST_SAMPLES, MORE_STEPS)
+        {
+            (total, model) = (better.total(scan, vertices), better);
         }
         if best.as_ref().is_none_or(|(_, least)| total < *least) {
             best = Some((model, total));
