@@ -49,7 +49,7 @@ impl SeenAcross {
         self.shares(radius, bend).iter().all(|&share| share > 0.0)
     }
 
-    fn off_centre(&self, radius: f64, bend: f64) -> Vector {
+    fn offset(&self, radius: f64, bend: f64) -> Vector {
         let [alpha, beta] = self.shares(radius, bend);
         bend * (alpha * self.normals[0] + beta * self.normals[1])
     }
@@ -62,7 +62,7 @@ impl SeenAcross {
         } else if beta <= 0.0 {
             self.distances[0]
         } else {
-            self.off_centre(radius, bend).norm() - radius
+            self.offset(radius, bend).norm() - radius
         };
         (d / self.deviation).powi(2).min(MOST_OFF * MOST_OFF)
     }
@@ -191,7 +191,7 @@ fn blend(
         return None;
     }
     let centres: Vec<Point> =
-        on_ball.iter().map(|a| scan.point(a.vertex) - a.off_centre(radius, bend)).collect();
+        on_ball.iter().map(|a| scan.point(a.vertex) - a.offset(radius, bend)).collect();
     let starts = along_line(&centres, radius).into_iter().chain(along_circle(&centres, radius));
     let models = starts.filter(|s| is_sane(scan, s)).flat_map(|surface| {
         let start = SurfaceModel { surface, side: bend };

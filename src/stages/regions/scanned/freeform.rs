@@ -15,7 +15,7 @@ use crate::primitives::PrimitiveKind;
 
 /// The share of abrupt places that makes a region a face, and the share of places that are abrupt or faces.
 const ABRUPT: f64 = 0.9;
-const BORDERED: f64 = 0.8;
+const BORDERED: f64 = 0.75;
 
 /// A region must be so many rings deep to be a face by itself. A blend is at most so deep, and what is left over is
 /// no face if it is less.
