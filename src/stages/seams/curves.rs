@@ -120,6 +120,16 @@ impl Pair<'_> {
         self.spline(points.clone(), chain.is_closed())
     }
 
+    /// The same. A curve that is nearly an arc becomes a spline where the arc is too far from the surfaces.
+    pub fn curve_within(&self, chain: &Chain, limit: f64) -> Result<(BrepCurve, f64), String> {
+        let found = self.curve(chain)?;
+        if found.1 < limit || self.is_flat() {
+            return Ok(found);
+        }
+        let spline = self.spline(chain.points.clone(), chain.is_closed());
+        Ok(spline.ok().filter(|spline| spline.1 < found.1).unwrap_or(found))
+    }
+
     /// The largest distance of a curve from its surfaces.
     pub fn worst(&self, curve: &BrepCurve) -> f64 {
         samples(curve).map(|p| self.off(p)).fold(0.0, f64::max)

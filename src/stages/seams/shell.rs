@@ -184,10 +184,11 @@ impl Work<'_> {
     ) -> Result<(BrepCurve, f64), String> {
         let Chain { left, right, touches, .. } = network.chains[number];
         let pair = self.pair(left, right, touches);
-        let (mut curve, mut off) = pair.curve(&network.chains[number])?;
+        let limit = self.limit_at(network.chains[number].error);
+        let (mut curve, mut off) = pair.curve_within(&network.chains[number], limit)?;
         if self.is_clockwise(&curve, [left, right], plans) {
             network.reverse(number);
-            (curve, off) = pair.curve(&network.chains[number])?;
+            (curve, off) = pair.curve_within(&network.chains[number], limit)?;
         }
         let faces = self.pair_of_faces(left, right, touches);
         if self.is_wall(left) || self.is_wall(right) {
@@ -201,7 +202,6 @@ impl Work<'_> {
         }
         // A distance that is not a number fails, too.
         let off_planes = faces.off_planes(&curve);
-        let limit = self.limit_at(network.chains[number].error);
         if off_planes < EXACT && off < limit {
             Ok((curve, off))
         } else {

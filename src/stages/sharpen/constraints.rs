@@ -213,6 +213,19 @@ impl Work<'_> {
             }
             found.extend(line);
         }
+        // The centre of a sphere has two conditions to be on an axis.
+        for r in (0..fits.len()).filter(|&r| fits[r].weight > 1.0) {
+            let Primitive::Sphere { centre, .. } = *self.surface(r as u32) else { continue };
+            found.extend(lines.iter().find_map(|&(_, other)| {
+                let axis = self.surface(other as u32);
+                let d = direction(axis);
+                let (x, y) = plane_axes(d);
+                let kind = ConditionKind::Coaxial([x, y]);
+                let one = Condition { first: other, second: r, kind };
+                let off = (centre - axis.origin()).cross(&d).norm();
+                (off < MOST_APART * self.edge && self.allows(&one, fits)).then_some(one)
+            }));
+        }
         found
     }
 
