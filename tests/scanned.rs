@@ -86,7 +86,7 @@ fn scan(field: &Field, size: f64, edge: f64, noise: f64) -> Soup {
     }
     let points = points.into_iter().map(<[f64; 3]>::from).collect();
     let mut soup = Soup { points, ..Soup::default() };
-    polygons.into_iter().for_each(|polygon| soup.push(polygon));
+    polygons.into_iter().for_each(|polygon| soup.polygons.push(polygon));
     soup
 }
 
