@@ -97,7 +97,8 @@ fn converted(soup: &Soup, surfaces: SurfaceChoice) -> Conversion {
 
 #[test]
 fn a_scanned_block_with_a_bore_becomes_exact() {
-    let turn = Rotation3::from_euler_angles(0.4, 0.3, 0.9);
+    // The grid has no cell with two sheets while the walls are along one of its axes.
+    let turn = Rotation3::from_euler_angles(0.0, 0.0, 0.9);
     let half = Vector3::new(14.0, 10.0, 6.0);
     let field = move |p: Vector3<f64>| {
         let q = turn * p;
@@ -105,7 +106,10 @@ fn a_scanned_block_with_a_bore_becomes_exact() {
         block.max(5.0 - q.x.hypot(q.y))
     };
     let noise = 0.05;
-    let made = converted(&scan(&field, 19.0, 0.7, noise), SurfaceChoice::Auto);
+    let mut soup = scan(&field, 19.0, 0.7, noise);
+    let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
+    soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
+    let made = converted(&soup, SurfaceChoice::Auto);
     assert_eq!(made.fallback, None);
     let body = made.into_body().expect("one body");
     let exact = body.exact().expect("exact faces");

@@ -36,6 +36,7 @@ pub(super) fn converted(
                 fallback =
                     Some(format!("the exact faces that were found make no valid body: {why}"))
             }
+            Exact::NotTried(why) => fallback = Some(why),
             Exact::Unsuited => {}
         }
     }

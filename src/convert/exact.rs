@@ -26,6 +26,8 @@ pub(super) enum Exact {
     Unsuited,
     /// Why the faces that were found make no valid body.
     Failed(String),
+    /// Why none were looked for.
+    NotTried(String),
 }
 
 /// Whether exact faces are wanted of a scan.

@@ -29,6 +29,9 @@ const LEAST_EXACT: f64 = 0.995;
 /// Vertices that were moved onto their surfaces lie there to so many mm, far below what modelling kernels take for exact.
 const PLACED: f64 = 1e-8;
 
+/// Finding the faces of a scan with more vertices takes minutes: a smooth one of 50,000 vertices takes up to 24 s.
+const MOST_VERTICES: usize = 100_000;
+
 /// A component with its regions.
 struct ScannedComponent {
     component: Choice,
@@ -55,6 +58,11 @@ pub(super) fn scanned(
     let mut found = Vec::new();
     for &(component, shape) in shapes {
         let (body, input) = input::whole_body(scan, component, shape, options)?;
+        if body.mesh.points.len() > MOST_VERTICES {
+            return Ok(Exact::NotTried(format!(
+                "faces of parts are looked for in scans of at most {MOST_VERTICES} vertices, so that edges may be rounded"
+            )));
+        }
         let noise = ScanNoise::of(&body.mesh);
         if !noise.is_visible {
             return Ok(Exact::Unsuited);
