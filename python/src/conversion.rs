@@ -159,8 +159,7 @@ impl Conversion {
     }
 
     fn smoothed_deviations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let signed = |body: &Body| body.fit_deviation.signed().unwrap_or_default();
-        PyArray1::from_vec(py, self.by_vertex(signed))
+        PyArray1::from_vec(py, self.by_vertex(Body::smoothed_distances))
     }
 
     fn distance<'py>(

@@ -99,6 +99,7 @@ pub(super) fn body(
         brep,
         origin: [0.0; 3],
         hints: Vec::new(),
+        stand_ins: patch.stand_ins,
         vertices: raw.map,
         shape,
         fit: BodyFit::Network(Box::new(NetworkFit {

@@ -8,7 +8,7 @@ use super::{InputReport, TargetShape};
 use crate::deviation::{Deviation, FaceToScan, TrimmedFace, of_network};
 use crate::error::{BrepFault, Error, Result};
 use crate::geometry::Point;
-use crate::mesh::{Mesh, Triangles, VertexMap};
+use crate::mesh::{Mesh, StandIns, Triangles, VertexMap};
 use crate::primitives::Primitive;
 use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::adapt::Adapted;
@@ -82,6 +82,8 @@ pub struct Body {
     /// What could be better, and what to do about it: a sentence each. Options have the
     /// names that they have on the command line.
     pub hints: Vec<String>,
+    /// Which of the smoothed points stands for each vertex of the scan's mesh, if the mesh was thinned before it was smoothed.
+    pub(super) stand_ins: Option<StandIns>,
     /// Which point each vertex of the scan became.
     pub(super) vertices: VertexMap,
 }
@@ -323,15 +325,24 @@ impl Body {
         }
     }
 
+    /// For each vertex of the scan's mesh the distance of the smoothed point that stands for it, positive above the faces.
+    pub fn smoothed_distances(&self) -> Vec<f64> {
+        let distances = self.fit_deviation.signed().unwrap_or_default();
+        match &self.stand_ins {
+            Some(stand_ins) => stand_ins.of_scan(&distances),
+            None => distances,
+        }
+    }
+
     /// Deviation of the vertices of the scan's mesh before smoothing, in the order of
-    /// [`fit_deviation`](Self::fit_deviation). It is [`deviation`](Self::deviation) unless the mesh
+    /// [`smoothed_distances`](Self::smoothed_distances). It is [`deviation`](Self::deviation) unless the mesh
     /// was made of a cloud.
     pub fn vertex_deviation(&self) -> &Deviation {
         self.vertex_deviation.as_ref().unwrap_or(&self.deviation)
     }
 
     /// The point that a vertex of the scan became: its position among the distances of
-    /// [`deviation`](Self::deviation), and of [`fit_deviation`](Self::fit_deviation) unless the
+    /// [`deviation`](Self::deviation), and of [`smoothed_distances`](Self::smoothed_distances) unless the
     /// scan is a cloud. The vertices of a cloud are its points.
     /// Vertices are counted from 0, in the order of the soup or of the file. All at one place
     /// became one point. `None` if the vertex was left out: no triangle has it, it is not

@@ -3,19 +3,18 @@
 
 use formats::Brep;
 
-use super::conversion::{Body, BodyFit, ExactFit, Missed};
+use super::conversion::Body;
+use super::exact_body::{ExactBody, each, turned};
 use super::exact_distances::Distances;
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
 use super::{EdgeChoice, Options, TargetShape, exact_choice};
-use crate::deviation::Deviation;
 use crate::error::Result;
 use crate::mesh::{Choice, Components, Mesh};
 use crate::noise::Terraces;
 use crate::primitives::PrimitiveKind;
 use crate::stages::regions::{self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation};
 use crate::stages::seams::{self, ClosedGap, FacePatch, SolidFault};
-use crate::stages::{fill, smooth};
 use crate::words::plural;
 
 /// What became of the try to find exact faces.
@@ -42,8 +41,13 @@ const SAMPLED: usize = 2000;
 pub(super) fn is_noisy(scan: &Components, component: Choice) -> bool {
     let Some(sample) = scan.sampled(component, SAMPLED) else { return false };
     let errors = FileRounding::errors_of(&sample.points, scan.unit());
-    let is_clean = FlatPairs::of(&Tessellation::new(&sample, &errors)).is_clean();
-    !is_clean.unwrap_or_else(|| scan.is_closed(component))
+    !is_clean(scan, component, &Tessellation::new(&sample, &errors))
+}
+
+/// Whether the flat pairs of a mesh tell that it is clean. Where they tell nothing, an open mesh is a scan: of a grid whose
+/// steps are taken for the rounding they tell nothing.
+fn is_clean(scan: &Components, component: Choice, mesh: &Tessellation<'_>) -> bool {
+    FlatPairs::of(mesh).is_clean().unwrap_or_else(|| scan.is_closed(component))
 }
 
 /// A component with its exact regions.
@@ -101,25 +105,18 @@ pub(super) fn exact(
     watch(Stage::Begin { shape, components: found.len(), why })?;
     let left_out = scan.sizes().iter().sum::<usize>()
         - found.iter().map(|one| one.input.triangles).sum::<usize>();
-    let mut bodies = Vec::new();
-    for (number, mut one) in found.into_iter().enumerate() {
-        watch(Stage::Component(number))?;
+    let found = found.into_iter().map(|mut one| {
         one.input.left_out = left_out;
-        let component = one.component;
-        match body(one, scan, options, watch) {
-            Ok(Ok(body)) => {
-                watch(Stage::Done(&body))?;
-                bodies.push(body);
-            }
-            Ok(Err(why)) => return Ok(Exact::Failed(why)),
-            Err(error) => return Err(error.of_component(component.number(), shapes.len())),
-        }
-    }
-    Ok(match options.shape {
-        Some(TargetShape::Face) if bodies.iter().any(|body| body.brep.faces.len() > 1) => {
+        (one.component, one)
+    });
+    let made = each(found.collect(), watch, |one, watch| body(one, scan, options, watch))?;
+    Ok(match (&made, options.shape) {
+        (Exact::Bodies(bodies), Some(TargetShape::Face))
+            if bodies.iter().any(|body| body.brep.faces.len() > 1) =>
+        {
             Exact::Unsuited
         }
-        _ => Exact::Bodies(bodies),
+        _ => made,
     })
 }
 
@@ -138,9 +135,7 @@ fn regions_of(
         mesh = joined;
     }
     let measured = Tessellation::new(&mesh, &errors);
-    // An open mesh is a scan, unless its flat pairs say otherwise. Of a grid whose steps are taken for the rounding none does.
-    let is_clean = FlatPairs::of(&measured).is_clean();
-    if !is_clean.unwrap_or_else(|| scan.is_closed(component)) {
+    if !is_clean(scan, component, &measured) {
         return Ok(None);
     }
     let sharp = match options.edges {
@@ -265,7 +260,7 @@ fn body(
     let least_exact = if regions.is_significant() { regions::MOST_OF_IT } else { 0.0 };
     let wanted = seams::Options { name: options.name.clone(), least_exact };
     let sewn = sewn(mesh, &errors, patches.collect(), shape, &wanted);
-    let Sewn { mut brep, report, mesh, gaps } = match sewn {
+    let Sewn { mut brep, mut report, mesh, gaps } = match sewn {
         Ok(sewn) => sewn,
         Err(why) => return Ok(Err(why.to_string())),
     };
@@ -279,51 +274,25 @@ fn body(
     if shape != TargetShape::Solid {
         brep.solids.clear();
     }
-    let mut patches = report.patches;
-    if shape == TargetShape::Void {
-        brep = brep.reversed();
-        patches.iter_mut().for_each(|patch| patch.side = -patch.side);
-    }
-    let distances = Distances::of(&mesh, measured, &patches);
+    let brep = turned(shape, brep, &mut report.patches);
+    let distances = Distances::of(&mesh, measured, &report.patches);
     watch(Stage::Deviation)?;
     let rounding = errors.iter().copied().fold(0.0, f64::max);
-    let tolerance = options.tolerance.unwrap_or(regions::MOST_ERRORS * rounding);
-    // Half a step of each of three numbers is a bound, and steps are spread evenly.
-    let noise = rounding / 3.0;
-    let outside = distances.of_vertices.iter().map(|d| *d > 0.0).collect();
-    let absolute = distances.of_vertices.iter().map(|d| d.abs()).collect();
-    let deviation = Deviation::of(&mesh.points[..measured[0]], absolute).with_sides(outside);
-    Ok(Ok(Body {
+    let made = ExactBody {
         input,
-        smooth: smooth::Report { noise, ..smooth::Report::default() },
-        fill: fill::Report::default(),
-        trimmed: Vec::new(),
-        tolerance,
-        tolerance_named: options.tolerance.is_some(),
-        spared: 0.0,
-        noise,
-        missed: Missed::beyond(&deviation, tolerance),
-        fit_deviation: deviation.clone(),
-        deviation,
-        vertex_deviation: None,
-        face_to_scan: distances.to_triangles,
-        brep,
-        origin: [0.0; 3],
-        hints: Vec::new(),
-        vertices,
         shape,
-        fit: BodyFit::Exact(Box::new(ExactFit {
-            faces: distances.of_faces,
-            of_triangle: distances.of_triangle,
-            mesh,
-            mm,
-            facets: report.facets,
-            fallbacks: report.fallbacks,
-            gaps,
-            snaps: regions.snaps,
-            explained: distances.explained,
-            rounding,
-            noise: None,
-        })),
-    }))
+        vertices,
+        brep,
+        deviation: distances.deviation(&mesh.points[..measured[0]]),
+        mesh,
+        mm,
+        report,
+        gaps,
+        snaps: regions.snaps,
+        distances,
+        tolerance: regions::MOST_ERRORS * rounding,
+        rounding,
+        noise: None,
+    };
+    Ok(Ok(made.finished(options)))
 }

@@ -1,14 +1,16 @@
 //! How far the scan is from exact faces.
 
+use rayon::prelude::*;
+
 use super::conversion::ExactFace;
 use crate::deviation::{Deviation, FaceToScan};
 use crate::geometry::{Point, VertexId};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Triangles};
 use crate::stages::seams::FacePatch;
 
-/// How far the vertices and the triangles of a mesh are from the surfaces of their faces.
+/// How far the vertices and the triangles of a mesh are from exact faces.
 pub(super) struct Distances {
-    /// For each vertex the largest distance from one of its surfaces, positive outside.
+    /// For each vertex its distance, positive outside.
     pub of_vertices: Vec<f64>,
     /// What is known of each face.
     pub of_faces: Vec<ExactFace>,
@@ -21,59 +23,121 @@ pub(super) struct Distances {
 }
 
 impl Distances {
-    /// Measures the first points and triangles of a mesh, so many of each. Those behind them close its gaps.
+    /// Measures the first points and triangles of a mesh, so many of each, from the surfaces of their faces. Those behind
+    /// them close its gaps. The distance of a vertex is the largest one from its surfaces.
     pub fn of(mesh: &Mesh, measured: [usize; 2], patches: &[FacePatch]) -> Self {
         let mut of_vertices = vec![0.0f64; measured[0]];
-        let mut of_triangle = vec![0; mesh.triangles.len()];
         let mut of_faces = Vec::with_capacity(patches.len());
-        let (mut all, mut exact) = (0.0, 0.0);
         let mut middles: Vec<(Point, f64)> = Vec::with_capacity(mesh.triangles.len());
-        for (number, patch) in patches.iter().enumerate() {
+        for patch in patches {
             let corners = patch.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
             let mut vertices: Vec<VertexId> = corners.collect();
             vertices.sort_unstable();
             vertices.dedup();
             vertices.retain(|v| v.index() < measured[0]);
-            let mut squares = 0.0;
-            let mut max = 0.0f64;
+            let mut face = unmeasured(patch);
             for &v in &vertices {
                 let distance = patch.side * patch.surface.distance(mesh.point(v)).0;
                 let known = &mut of_vertices[v.index()];
                 if distance.abs() > known.abs() {
                     *known = distance;
                 }
-                squares += distance * distance;
-                max = max.max(distance.abs());
+                measure(&mut face, distance);
             }
-            for &t in &patch.triangles {
-                of_triangle[t as usize] = number as u32;
-                if t as usize >= measured[1] {
-                    continue;
-                }
-                let area = mesh.area_vector(mesh.triangles[t as usize]).norm();
-                all += area;
-                exact += if patch.is_facet { 0.0 } else { area };
-                let [a, b, c] = mesh.corners(mesh.triangles[t as usize]).map(|p| p.coords);
-                let middle = Point::from((a + b + c) / 3.0);
+            for &t in patch.triangles.iter().filter(|&&t| (t as usize) < measured[1]) {
+                let middle = middle(mesh, t as usize);
                 middles.push((middle, patch.surface.distance(middle).0.abs()));
             }
-            let rms = (squares / vertices.len().max(1) as f64).sqrt();
-            let FacePatch { surface, side, is_facet, .. } = *patch;
-            of_faces.push(ExactFace { surface, side, is_facet, rms, max, points: vertices.len() });
+            of_faces.push(measured_face(face));
         }
-        let (points, distances): (Vec<Point>, Vec<f64>) = middles.into_iter().unzip();
-        let found = Deviation::of(&points, distances);
-        let to_triangles = FaceToScan {
-            rms: found.rms,
-            p95: found.p95,
-            max: found.max,
-            max_at: found.max_at,
-            // The corners of the triangles lie on the surface, so that all of this is chord error.
-            chord_error: found.max,
-            beyond: 0,
-            places: points.len(),
-        };
-        let explained = exact / f64::max(all, f64::MIN_POSITIVE);
+        let (points, distances) = middles.into_iter().unzip();
+        let mut to_triangles = to_triangles(points, distances);
+        // The corners of the triangles lie on the surface, so that all of this is chord error.
+        to_triangles.chord_error = to_triangles.max;
+        let explained = explained(mesh, measured[1], patches);
+        let of_triangle = faces_of(mesh, patches);
         Distances { of_vertices, of_faces, of_triangle, to_triangles, explained }
     }
+
+    /// Measures the vertices and the middles of the triangles of a noisy scan from the nearest face. `mesh` has its vertices
+    /// on the faces.
+    pub fn of_scan(scan: &Mesh, mesh: &Mesh, patches: &[FacePatch]) -> Self {
+        let of_triangle = faces_of(mesh, patches);
+        let triangles = Triangles::new(mesh);
+        let face_at = |p: Point| of_triangle[triangles.nearest(p).1] as usize;
+        let signed = |p: Point| {
+            let (off, triangle) = triangles.nearest(p);
+            let face = of_triangle[triangle] as usize;
+            let distance = patches[face].side * patches[face].surface.distance(p).0;
+            let foot = patches[face].surface.closest(p);
+            let is_there = distance.abs() >= off || face_at(foot) == face;
+            (face, if is_there { distance } else { off.copysign(distance) })
+        };
+        let found: Vec<(usize, f64)> = scan.points.par_iter().map(|&p| signed(p)).collect();
+        let mut of_faces: Vec<ExactFace> = patches.iter().map(unmeasured).collect();
+        found.iter().for_each(|&(face, distance)| measure(&mut of_faces[face], distance));
+        let middles: Vec<Point> = (0..scan.triangles.len()).map(|t| middle(scan, t)).collect();
+        let offs = middles.par_iter().map(|&p| signed(p).1.abs()).collect();
+        Distances {
+            of_vertices: found.into_iter().map(|found| found.1).collect(),
+            of_faces: of_faces.into_iter().map(measured_face).collect(),
+            to_triangles: to_triangles(middles, offs),
+            explained: explained(mesh, mesh.triangles.len(), patches),
+            of_triangle,
+        }
+    }
+
+    /// The deviation of the measured vertices.
+    pub fn deviation(&self, points: &[Point]) -> Deviation {
+        let outside = self.of_vertices.iter().map(|d| *d > 0.0).collect();
+        let absolute = self.of_vertices.iter().map(|d| d.abs()).collect();
+        Deviation::of(points, absolute).with_sides(outside)
+    }
+}
+
+/// The share of the area of the first triangles, so many, that is not facets.
+fn explained(mesh: &Mesh, count: usize, patches: &[FacePatch]) -> f64 {
+    let (mut all, mut exact) = (0.0, 0.0);
+    for patch in patches {
+        for &t in patch.triangles.iter().filter(|&&t| (t as usize) < count) {
+            let area = mesh.area_vector(mesh.triangles[t as usize]).norm();
+            all += area;
+            exact += if patch.is_facet { 0.0 } else { area };
+        }
+    }
+    exact / f64::max(all, f64::MIN_POSITIVE)
+}
+
+/// For each triangle its face.
+fn faces_of(mesh: &Mesh, patches: &[FacePatch]) -> Vec<u32> {
+    let mut faces = vec![0; mesh.triangles.len()];
+    for (number, patch) in patches.iter().enumerate() {
+        patch.triangles.iter().for_each(|&t| faces[t as usize] = number as u32);
+    }
+    faces
+}
+
+/// A face before any point of it is measured. While points are, its `rms` is their sum of squares.
+fn unmeasured(&FacePatch { surface, side, is_facet, .. }: &FacePatch) -> ExactFace {
+    ExactFace { surface, side, is_facet, rms: 0.0, max: 0.0, points: 0 }
+}
+
+fn measure(of: &mut ExactFace, distance: f64) {
+    of.rms += distance * distance;
+    of.max = of.max.max(distance.abs());
+    of.points += 1;
+}
+
+fn measured_face(of: ExactFace) -> ExactFace {
+    ExactFace { rms: (of.rms / of.points.max(1) as f64).sqrt(), ..of }
+}
+
+fn middle(mesh: &Mesh, triangle: usize) -> Point {
+    let [a, b, c] = mesh.corners(mesh.triangles[triangle]).map(|p| p.coords);
+    Point::from((a + b + c) / 3.0)
+}
+
+fn to_triangles(places: Vec<Point>, distances: Vec<f64>) -> FaceToScan {
+    let Deviation { rms, p95, max, max_at, .. } = Deviation::of(&places, distances);
+    FaceToScan { rms, p95, max, max_at, chord_error: 0.0, beyond: 0, places: places.len() }
 }

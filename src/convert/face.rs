@@ -114,6 +114,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
         vertex_deviation,
         origin: [0.0; 3],
         hints: Vec::new(),
+        stand_ins: map.patch.stand_ins,
         vertices: raw.map,
         fit: BodyFit::Face(Box::new(SurfaceFit {
             surface: placed,

@@ -10,6 +10,7 @@ mod conversion;
 pub mod cut;
 mod estimate;
 mod exact;
+mod exact_body;
 mod exact_choice;
 mod exact_distances;
 mod face;

@@ -1,22 +1,20 @@
 //! The way from a noisy scan of a part to a solid of exact faces: mesh → regions → sharpen → seams → deviation. The surfaces of the
 //! regions follow the noise only as far as their fits do, and the edges lie where surfaces meet.
 
-use rayon::prelude::*;
-
-use super::conversion::{Body, BodyFit, ExactFace, ExactFit, Missed};
+use super::conversion::Body;
 use super::exact::Exact;
+use super::exact_body::{ExactBody, each, turned};
+use super::exact_distances::Distances;
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
 use super::{Options, TargetShape};
-use crate::deviation::{Deviation, FaceToScan};
 use crate::error::Result;
-use crate::geometry::{NONE, Point};
-use crate::mesh::{Choice, Components, Disk, Mesh, Triangles};
+use crate::geometry::NONE;
+use crate::mesh::{Choice, Components, Disk, Mesh};
 use crate::primitives::Primitive;
 use crate::stages::regions::{self, Regions, ScanNoise};
 use crate::stages::seams::{self, FacePatch};
 use crate::stages::sharpen::{self, ScanSurface, Sharpened, sharpen};
-use crate::stages::{fill, smooth};
 use crate::statistics::outlying;
 
 /// A scan is one of a part if at least this share of its area lies on exact surfaces.
@@ -82,20 +80,8 @@ pub(super) fn scanned(
         )));
     }
     watch(Stage::Begin { shape: TargetShape::Solid, components: found.len(), why: None })?;
-    let mut bodies = Vec::new();
-    for (number, one) in found.into_iter().enumerate() {
-        watch(Stage::Component(number))?;
-        let component = one.component;
-        match body(one, scan, options, watch) {
-            Ok(Ok(body)) => {
-                watch(Stage::Done(&body))?;
-                bodies.push(body);
-            }
-            Ok(Err(why)) => return Ok(Exact::Failed(why)),
-            Err(error) => return Err(error.of_component(component.number(), shapes.len())),
-        }
-    }
-    Ok(Exact::Bodies(bodies))
+    let found = found.into_iter().map(|one| (one.component, one)).collect();
+    each(found, watch, |one, watch| body(one, scan, options, watch))
 }
 
 /// The surfaces of the regions, each once, and for each triangle its surface.
@@ -161,57 +147,32 @@ fn body(
     let patches = patches_of(&made, &mesh, mm);
     let errors = vec![PLACED; mesh.points.len()];
     let wanted = seams::Options { name: options.name.clone(), least_exact: LEAST_EXACT };
-    let (mut brep, report) = match seams::solid(&mesh, &errors, patches, &wanted) {
+    let (brep, mut report) = match seams::solid(&mesh, &errors, patches, &wanted) {
         Ok(made) => made,
         Err(why) => return Ok(Err(rounded(&why.to_string(), &made, mm))),
     };
     watch(Stage::Brep)?;
-    let mut patches = report.patches;
-    if shape == TargetShape::Void {
-        brep = brep.reversed();
-        patches.iter_mut().for_each(|patch| patch.side = -patch.side);
-    }
-    let distances = ScanDistances::of(&measured, &mesh, &patches);
+    let brep = turned(shape, brep, &mut report.patches);
+    let distances = Distances::of_scan(&measured, &mesh, &report.patches);
     watch(Stage::Deviation)?;
     let noise = mm * noise.deviation;
-    let limit = outlying(measured.points.len()) * noise;
-    let tolerance = options.tolerance.unwrap_or(limit);
-    let outside = distances.of_vertices.iter().map(|d| *d > 0.0).collect();
-    let absolute = distances.of_vertices.iter().map(|d| d.abs()).collect();
-    let deviation = Deviation::of(&measured.points, absolute).with_sides(outside);
-    Ok(Ok(Body {
+    let made = ExactBody {
         input,
-        smooth: smooth::Report { noise, is_noisy: true, ..smooth::Report::default() },
-        fill: fill::Report::default(),
-        trimmed: Vec::new(),
-        tolerance,
-        tolerance_named: options.tolerance.is_some(),
-        spared: 0.0,
-        noise,
-        missed: Missed::beyond(&deviation, tolerance),
-        fit_deviation: deviation.clone(),
-        deviation,
-        vertex_deviation: None,
-        face_to_scan: distances.to_triangles,
-        brep,
-        origin: [0.0; 3],
-        hints: Vec::new(),
-        vertices,
         shape,
-        fit: BodyFit::Exact(Box::new(ExactFit {
-            faces: distances.of_faces,
-            of_triangle: distances.of_triangle,
-            mesh,
-            mm,
-            facets: report.facets,
-            fallbacks: report.fallbacks,
-            gaps: Vec::new(),
-            snaps: Vec::new(),
-            explained: distances.explained,
-            rounding: 0.0,
-            noise: Some(noise),
-        })),
-    }))
+        vertices,
+        brep,
+        mesh,
+        mm,
+        report,
+        gaps: Vec::new(),
+        snaps: Vec::new(),
+        deviation: distances.deviation(&measured.points),
+        distances,
+        tolerance: outlying(measured.points.len()) * noise,
+        rounding: 0.0,
+        noise: Some(noise),
+    };
+    Ok(Ok(made.finished(options)))
 }
 
 /// Why there is no solid of exact faces, with a place whose edges are rounded for that.
@@ -223,85 +184,5 @@ fn rounded(why: &str, made: &Sharpened, mm: f64) -> String {
             p.x, p.y, p.z
         ),
         None => format!("{why}; its edges are rounded"),
-    }
-}
-
-/// How far a scan is from exact faces.
-struct ScanDistances {
-    /// For each vertex of the scan the distance from the nearest face, positive outside.
-    of_vertices: Vec<f64>,
-    of_faces: Vec<ExactFace>,
-    /// For each triangle of the exact mesh its face.
-    of_triangle: Vec<u32>,
-    to_triangles: FaceToScan,
-    /// The share of the area that is not facets.
-    explained: f64,
-}
-
-impl ScanDistances {
-    /// Measures the vertices and the middles of the triangles of a scan. `mesh` has its vertices on the faces.
-    fn of(scan: &Mesh, mesh: &Mesh, patches: &[FacePatch]) -> Self {
-        let mut of_triangle = vec![0; mesh.triangles.len()];
-        let (mut all, mut exact) = (0.0, 0.0);
-        for (number, patch) in patches.iter().enumerate() {
-            for &t in &patch.triangles {
-                of_triangle[t as usize] = number as u32;
-                let area = mesh.area_vector(mesh.triangles[t as usize]).norm();
-                all += area;
-                exact += if patch.is_facet { 0.0 } else { area };
-            }
-        }
-        let triangles = Triangles::new(mesh);
-        let face_at = |p: Point| of_triangle[triangles.nearest(p).1] as usize;
-        let measure = |p: Point| {
-            let (off, triangle) = triangles.nearest(p);
-            let face = of_triangle[triangle] as usize;
-            let distance = patches[face].side * patches[face].surface.distance(p).0;
-            let foot = patches[face].surface.closest(p);
-            let is_there = distance.abs() >= off || face_at(foot) == face;
-            (face, if is_there { distance } else { off.copysign(distance) })
-        };
-        let found: Vec<(usize, f64)> = scan.points.par_iter().map(|&p| measure(p)).collect();
-        let mut of_faces: Vec<ExactFace> = patches
-            .iter()
-            .map(|&FacePatch { surface, side, is_facet, .. }| ExactFace {
-                surface,
-                side,
-                is_facet,
-                rms: 0.0,
-                max: 0.0,
-                points: 0,
-            })
-            .collect();
-        for &(face, distance) in &found {
-            let of = &mut of_faces[face];
-            of.rms += distance * distance;
-            of.max = of.max.max(distance.abs());
-            of.points += 1;
-        }
-        of_faces.iter_mut().for_each(|of| of.rms = (of.rms / of.points.max(1) as f64).sqrt());
-        let middle = |&t: &[crate::geometry::VertexId; 3]| {
-            let [a, b, c] = scan.corners(t).map(|p| p.coords);
-            Point::from((a + b + c) / 3.0)
-        };
-        let middles: Vec<Point> = scan.triangles.iter().map(middle).collect();
-        let offs: Vec<f64> = middles.par_iter().map(|&p| measure(p).1.abs()).collect();
-        let back = Deviation::of(&middles, offs);
-        let to_triangles = FaceToScan {
-            rms: back.rms,
-            p95: back.p95,
-            max: back.max,
-            max_at: back.max_at,
-            chord_error: 0.0,
-            beyond: 0,
-            places: middles.len(),
-        };
-        ScanDistances {
-            of_vertices: found.into_iter().map(|found| found.1).collect(),
-            of_faces,
-            of_triangle,
-            to_triangles,
-            explained: exact / f64::max(all, f64::MIN_POSITIVE),
-        }
     }
 }

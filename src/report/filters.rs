@@ -26,8 +26,14 @@ pub(super) fn environment() -> Result<Environment<'static>, minijinja::Error> {
     environment.add_filter("repair", |kind: String, count: usize| repair(&kind, count));
     environment.add_filter("words", |s: String| s.replace('_', " "));
     environment.add_filter("file", |s: String| file_name(&s));
-    environment.add_template("report.html", include_str!("page/report.html"))?;
-    environment.add_template("assembly.html", include_str!("page/assembly.html"))?;
+    environment.add_template(
+        "report.html",
+        concat!(include_str!("page/macros.html"), include_str!("page/report.html")),
+    )?;
+    environment.add_template(
+        "assembly.html",
+        concat!(include_str!("page/macros.html"), include_str!("page/assembly.html")),
+    )?;
     Ok(environment)
 }
 

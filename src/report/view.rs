@@ -109,12 +109,13 @@ impl ViewRecorder {
     /// # Errors
     /// [`Error::Input`]: the recorder has not seen the mesh of this body.
     pub fn view(self, body: &Body, parts: usize) -> Result<ReportView> {
-        let disk = self.seen(body.fit_deviation.distances.len())?;
+        let smoothed = body.smoothed_distances();
+        let disk = self.seen(smoothed.len())?;
         let of_vertices = match &body.fit {
             BodyFit::Face(_) | BodyFit::Exact(_) => body.vertex_deviation(),
             BodyFit::Network(fit) => &of_network(&fit.network, &fit.cut, &disk.mesh.points),
         };
-        let distances = [signed(of_vertices), signed(&body.fit_deviation)];
+        let distances = [of_vertices.signed().unwrap_or_default(), smoothed].map(single);
         let figures = ViewFigures {
             vertices: body.input.vertices,
             bounds: body.input.bounds,
@@ -173,9 +174,9 @@ fn made(body: &Body) -> String {
     }
 }
 
-/// Distances with their signs, as pictures take them.
-fn signed(deviation: &Deviation) -> Vec<f32> {
-    deviation.signed().unwrap_or_default().into_iter().map(|d| d as f32).collect()
+/// Distances as pictures take them.
+fn single(distances: Vec<f64>) -> Vec<f32> {
+    distances.into_iter().map(|d| d as f32).collect()
 }
 
 impl ReportView {

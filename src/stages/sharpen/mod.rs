@@ -5,10 +5,10 @@
 //! the curve in which the surfaces cross or touch, and those where more regions meet on all of them. The border of the
 //! triangles is only the start of these curves.
 //!
-//! - [`labels`] smooths the borders by likelihood, and gives small pieces to their neighbours.
-//! - [`constraints`] moves the surfaces, weighted by their covariances, so that those that touch do so exactly, and more than three
+//! - `labels` smooths the borders by likelihood, and gives small pieces to their neighbours.
+//! - `constraints` moves the surfaces, weighted by their covariances, so that those that touch do so exactly, and more than three
 //!   have a common point. A constraint is kept if the data allow it.
-//! - [`places`] moves the vertices. Where surfaces have no common point nearby, the triangles there lose their region.
+//! - `places` moves the vertices. Where surfaces have no common point nearby, the triangles there lose their region.
 
 mod borders;
 mod constraints;
