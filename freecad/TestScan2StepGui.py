@@ -7,6 +7,7 @@ The pictures of each step go to the folder. The exit code is 0 if all is well.
 
 import os
 import sys
+import tempfile
 import time
 import traceback
 
@@ -212,6 +213,42 @@ def test_an_error_shows_its_place():
     FreeCAD.closeDocument(made.Name)
 
 
+def test_the_file_of_an_assembly_opens():
+    """FreeCAD 0.20 reads no file of an assembly without a window: it crashes on OpenCASCADE's own ones, too."""
+    import ImportGui
+    import scan2step
+    from freecad.scan2step_wb import convert
+
+    made = scan2step.convert(os.path.join(HERE, "..", "fixtures", "joint.glb"))
+    document = FreeCAD.newDocument("joint")
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "joint.step")
+        made.write(path)
+        ImportGui.insert(name=path, docName=document.Name, merge=False, useLinkGroup=False, mode=0)
+    (whole,) = document.RootObjects
+    assert whole.TypeId == "App::Part", whole.TypeId
+    found = []
+    for child in whole.Group:
+        inside = child.Group if child.TypeId == "App::Part" else [child]
+        outer = child.Placement if child.TypeId == "App::Part" else FreeCAD.Placement()
+        for feature in inside:
+            shape = feature.Shape.copy()
+            shape.Placement = outer.multiply(feature.Placement)
+            assert shape.isValid() and len(shape.Solids) == 1, feature.Label
+            found.append((shape.Volume, shape.Solids[0].CenterOfMass, feature.ViewObject.ShapeColor[:3]))
+    places = [(part, place) for part in made.parts for place in part.places]
+    assert len(found) == len(places) == 10, len(found)
+    for part, place in places:
+        shape = convert.shape(part.made)
+        shape.Placement = FreeCAD.Placement(FreeCAD.Matrix(*place.matrix.ravel()))
+        centre = shape.Solids[0].CenterOfMass
+        volume, own, colour = min(found, key=lambda one: one[1].distanceToPoint(centre))
+        assert own.distanceToPoint(centre) < 1e-4, part.name
+        assert abs(volume / shape.Volume - 1.0) < 1e-6, part.name
+        assert max(abs(a - b / 255) for a, b in zip(colour, part.colour)) < 0.005, part.name
+    FreeCAD.closeDocument(document.Name)
+
+
 def test_the_mesh_workbench_has_a_button():
     FreeCADGui.activateWorkbench("MeshWorkbench")
     bars = FreeCADGui.getMainWindow().findChildren(QtGui.QToolBar)
@@ -225,7 +262,8 @@ def main():
     try:
         FreeCADGui.getMainWindow().resize(1280, 800)
         FreeCADGui.activateWorkbench("PartWorkbench")
-        for test in (test_a_face, test_a_solid, test_a_part, test_an_error_shows_its_place, test_the_mesh_workbench_has_a_button):
+        tests = [test_a_face, test_a_solid, test_a_part, test_an_error_shows_its_place, test_the_file_of_an_assembly_opens]
+        for test in [*tests, test_the_mesh_workbench_has_a_button]:
             test()
             print(f"{test.__name__}: ok", flush=True)
         status = 0

@@ -18,7 +18,8 @@ def add(document, assembly, label):
             continue
         feature = document.addObject("Part::Feature", "Shape")
         feature.Shape = convert.shape(part.made)
-        feature.Label = part.name
+        # Labels are unique in a document, and those of places are the names in the file.
+        feature.Label = f"{part.name}: part"
         store.addObject(feature)
         features[part.number] = feature
         if feature.ViewObject is not None:

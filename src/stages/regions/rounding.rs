@@ -28,8 +28,10 @@ const MOST_DECIMALS: i32 = 12;
 /// The steps in which the numbers of a file are written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FileRounding {
-    /// Whether every number is one of 32 bits.
+    /// Whether every number is one of 32 bits, or was one before it was written with its decimals.
     pub is_single: bool,
+    /// Whether the decimals were cut off a multiple in 32 bits, as lib3mf does. Otherwise numbers were rounded.
+    pub is_cut: bool,
     /// Decades (the exponent of the first digit) whose numbers lie on a decimal lattice, with its decimal places.
     pub decimals: Vec<(i32, i32)>,
 }
@@ -49,20 +51,27 @@ impl FileRounding {
             let places = common.or_else(|| decimal_places(same, is_single));
             places.map(|places| (exponent(same[0]), places))
         });
-        FileRounding { is_single, decimals: lattices.collect() }
+        let decimals: Vec<(i32, i32)> = lattices.collect();
+        let of_single =
+            |is_cut: &bool| common.is_some_and(|places| were_single(&numbers, places, *is_cut));
+        let how = [false, true].into_iter().find(of_single).filter(|_| !is_single);
+        FileRounding { is_single: is_single || how.is_some(), is_cut: how == Some(true), decimals }
     }
 
-    /// Half a step of one number.
-    fn half_step(&self, x: f64) -> f64 {
+    /// The bound of the error of one number.
+    fn error_of(&self, x: f64) -> f64 {
         let binary = half_ulp(x, self.is_single);
         let first = exponent(x.abs().max(f64::MIN_POSITIVE));
         let nearest = self.decimals.iter().min_by_key(|(decade, _)| (decade - first).abs());
-        nearest.map_or(binary, |&(_, places)| binary.max(0.5 * 10f64.powi(-places)))
+        nearest.map_or(binary, |&(_, places)| {
+            let step = 10f64.powi(-places);
+            if self.is_cut { 2.0 * binary + step } else { binary + 0.5 * step }
+        })
     }
 
     /// The bound of the error of a point of the file, for a part with this diagonal.
     pub(crate) fn error(&self, p: [f64; 3], diagonal: f64) -> f64 {
-        let [x, y, z] = p.map(|x| self.half_step(x));
+        let [x, y, z] = p.map(|x| self.error_of(x));
         Point::new(x, y, z).coords.norm() + KERNEL_SHARE * diagonal
     }
 
@@ -128,6 +137,25 @@ fn decimal_places(numbers: &[f64], is_single: bool) -> Option<i32> {
     (odds(&digits, places) > LATTICE_ODDS.ln()).then_some(places)
 }
 
+/// Whether numbers with so many decimals were written from numbers of 32 bits. If their decimals were cut off, each is a whole
+/// number of 32 bits times the last place. Otherwise it is next to a number of 32 bits. Few decimal numbers are either.
+fn were_single(numbers: &[f64], places: i32, is_cut: bool) -> bool {
+    let step = 10f64.powi(-places);
+    let is_one = |&x: &f64| {
+        if is_cut {
+            let whole = (x / step).round();
+            f64::from(whole as f32) == whole
+        } else {
+            (x - f64::from(x as f32)).abs() <= 0.5 * step + 1e-12 * x
+        }
+    };
+    let rarity = |&x: &f64| {
+        let apart = if is_cut { half_ulp(x / step, true) } else { half_ulp(x, true) / step };
+        (2.0 * apart).max(1.0).ln()
+    };
+    numbers.iter().all(is_one) && numbers.iter().map(rarity).sum::<f64>() > LATTICE_ODDS.ln()
+}
+
 /// The logarithm of the odds that numbers with these last digits were rounded.
 fn odds(digits: &[f64; 10], places: i32) -> f64 {
     let used: f64 = digits[1..].iter().sum();
@@ -138,5 +166,34 @@ fn odds(digits: &[f64; 10], places: i32) -> f64 {
         odds(used, digits[0], ROUNDED)
     } else {
         odds(used - digits[5], digits[5], ROUNDED_FIVES)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Coordinates of a designer's part, with digits that are all used.
+    fn points() -> Vec<[f64; 3]> {
+        let turn = |k: usize| 0.37 * k as f64;
+        (0..60).map(|k| [40.0 * turn(k).cos(), 40.0 * turn(k).sin(), 0.1 * turn(k)]).collect()
+    }
+
+    #[test]
+    fn numbers_of_32_bits_are_told_from_their_decimals() {
+        let rounded = |x: f64| format!("{x:.6}").parse().expect("a number");
+        let cut = |x: f64| f64::from((x as f32 * 1e6).trunc()) / 1e6;
+        let single = |x: f64| f64::from(x as f32);
+        let files: [(&dyn Fn(f64) -> f64, bool, bool); 3] =
+            [(&|x| rounded(single(x)), true, false), (&cut, true, true), (&rounded, false, false)];
+        for (written, is_single, is_cut) in files {
+            let of: Vec<[f64; 3]> = points().iter().map(|p| p.map(written)).collect();
+            let rounding = FileRounding::of(&of);
+            assert_eq!([rounding.is_single, rounding.is_cut], [is_single, is_cut]);
+            assert!(rounding.decimals.iter().all(|&(_, places)| places == 6), "{rounding:?}");
+            let off = of.iter().flatten().zip(points().into_iter().flatten());
+            let share = off.map(|(x, y)| (x - y).abs() / rounding.error_of(y)).fold(0.0, f64::max);
+            assert!(share > 0.5 && share < 1.0 + 1e-6, "{share} of the bound");
+        }
     }
 }
