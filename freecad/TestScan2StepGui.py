@@ -213,6 +213,16 @@ def test_an_error_shows_its_place():
     FreeCAD.closeDocument(made.Name)
 
 
+def leaves(item, outer):
+    """The shapes below an object in their places, each with its colour."""
+    placement = outer.multiply(item.Placement)
+    if item.TypeId == "App::Part":
+        return [leaf for child in item.Group for leaf in leaves(child, placement)]
+    shape = item.Shape.copy()
+    shape.Placement = placement
+    return [(shape, item.ViewObject.ShapeColor[:3])]
+
+
 def test_the_file_of_an_assembly_opens():
     """FreeCAD 0.20 reads no file of an assembly without a window: it crashes on OpenCASCADE's own ones, too."""
     import ImportGui
@@ -227,17 +237,11 @@ def test_the_file_of_an_assembly_opens():
         ImportGui.insert(name=path, docName=document.Name, merge=False, useLinkGroup=False, mode=0)
     (whole,) = document.RootObjects
     assert whole.TypeId == "App::Part", whole.TypeId
-    found = []
-    for child in whole.Group:
-        inside = child.Group if child.TypeId == "App::Part" else [child]
-        outer = child.Placement if child.TypeId == "App::Part" else FreeCAD.Placement()
-        for feature in inside:
-            shape = feature.Shape.copy()
-            shape.Placement = outer.multiply(feature.Placement)
-            assert shape.isValid() and len(shape.Solids) == 1, feature.Label
-            found.append((shape.Volume, shape.Solids[0].CenterOfMass, feature.ViewObject.ShapeColor[:3]))
+    found = leaves(whole, FreeCAD.Placement())
     places = [(part, place) for part in made.parts for place in part.places]
     assert len(found) == len(places) == 10, len(found)
+    assert all(shape.isValid() and len(shape.Solids) == 1 for shape, _ in found)
+    found = [(shape.Volume, shape.Solids[0].CenterOfMass, colour) for shape, colour in found]
     for part, place in places:
         shape = convert.shape(part.made)
         shape.Placement = FreeCAD.Placement(FreeCAD.Matrix(*place.matrix.ravel()))

@@ -2,10 +2,11 @@
 
 mod common;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::importers::opencascade_assembly;
+use common::importers::{lib3mf_places, opencascade_assembly};
 use common::{arg, assert_schema, check, convert, converted, fixture, inspect, json, shared};
 use serde_json::Value;
 
@@ -185,6 +186,46 @@ fn a_thousand_bricks_cost_what_one_costs() {
     assert!(file.len() < 2_000_000, "{} bytes", file.len());
 }
 
+/// The groups of an OBJ file as solids of a text STL file. The first one is there once more, with its first vertex moved.
+fn solids_of(obj: &str) -> String {
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut solids: Vec<(String, Vec<[usize; 3]>)> = Vec::new();
+    for line in obj.lines() {
+        let (key, rest) = line.split_once(' ').unwrap_or_default();
+        let three = || rest.split_whitespace().take(3);
+        match key {
+            "v" => {
+                let numbers: Vec<f64> = three().map(|x| x.parse().expect("a number")).collect();
+                points.push(numbers.try_into().expect("three numbers"));
+            }
+            "o" => solids.push((rest.to_owned(), Vec::new())),
+            "f" => {
+                let number =
+                    |corner: &str| corner.split('/').next().and_then(|k| k.parse::<usize>().ok());
+                let corners: Vec<usize> =
+                    three().map(|corner| number(corner).expect("a vertex") - 1).collect();
+                let of = &mut solids.last_mut().expect("a group").1;
+                of.push(corners.try_into().expect("three corners"));
+            }
+            _ => {}
+        }
+    }
+    let written = |name: &str, triangles: &[[usize; 3]], points: &[[f64; 3]]| {
+        let corner =
+            |&k: &usize| format!("vertex {} {} {}\n", points[k][0], points[k][1], points[k][2]);
+        let facet = |t: &[usize; 3]| {
+            let corners: String = t.iter().map(corner).collect();
+            format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n")
+        };
+        let facets: String = triangles.iter().map(facet).collect();
+        format!("solid {name}\n{facets}endsolid {name}\n")
+    };
+    let all: String = solids.iter().map(|(name, of)| written(name, of, &points)).collect();
+    let (_, first) = &solids[0];
+    points[first[0][0]][2] += 0.1;
+    all + &written("another one", first, &points)
+}
+
 /// The collected assemblies through the program and OpenCASCADE, against their tables.
 #[test]
 fn made_assemblies_are_what_was_designed() {
@@ -194,12 +235,21 @@ fn made_assemblies_are_what_was_designed() {
     let rows: Vec<Vec<&str>> =
         table.lines().skip(1).map(|line| line.split('\t').collect()).collect();
     let number = |cell: &str| cell.parse::<f64>().expect("a number");
-    for extension in ["glb", "obj"] {
+    // The same in text STL, with a solid for each place, and with a part of its own that differs by a tenth of a millimetre.
+    let stl = folder.path().join("bolted.stl");
+    fs::write(&stl, solids_of(&text(&made.join("bolted.obj")))).expect("solids");
+    let scan = |extension: &str| match extension {
+        "stl" => stl.clone(),
+        _ => made.join(format!("bolted.{extension}")),
+    };
+    for extension in ["glb", "3mf", "obj", "stl"] {
         let step = folder.path().join(format!("bolted-{extension}.step"));
-        converted(&[arg(&made.join(format!("bolted.{extension}"))), arg(&step)]);
+        converted(&[arg(&scan(extension)), arg(&step)]);
+        let solids = if extension == "stl" { 4 } else { 3 };
+        assert_eq!(count(&text(&step), "MANIFOLD_SOLID_BREP"), solids, "{extension}");
         let found = opencascade_assembly(&step);
         let places = found["places"].as_array().expect("places");
-        assert_eq!(places.len(), rows.len());
+        assert_eq!(places.len(), rows.len() + usize::from(extension == "stl"));
         for (place, row) in places.iter().zip(&rows) {
             let value = |at: &str| place.pointer(at).and_then(Value::as_f64).expect("a number");
             let [x, y, z] = [value("/centre/0"), value("/centre/1"), value("/centre/2")];
@@ -209,7 +259,8 @@ fn made_assemblies_are_what_was_designed() {
             assert!(off < 1e-5 * 600.0, "{extension}: {} is off by {off} mm", row[0]);
             let volume = number(row[3]);
             assert!((value("/volume") / volume - 1.0).abs() < 1e-6, "{place}, not {volume}");
-            for k in 0..3 {
+            // STL has no colours.
+            for k in (0..3).filter(|_| extension != "stl") {
                 assert!((value(&format!("/colour/{k}")) - number(row[7 + k])).abs() < 0.003);
             }
             assert_eq!(place["valid"], true);
@@ -218,6 +269,72 @@ fn made_assemblies_are_what_was_designed() {
             }
         }
     }
+}
+
+/// The number of triangles and the bounds in mm of each place of a mesh.
+fn places_of(scene: &formats::Scene) -> Vec<(usize, [[f64; 3]; 2])> {
+    let mm = scene.unit.map_or(1.0, formats::LengthUnit::in_mm);
+    let places = scene.places();
+    let mut found = Vec::new();
+    for (form, nodes) in scene.uses() {
+        let soup = &scene.form_mesh(form).soup;
+        let used: BTreeSet<u32> = soup.polygons.iter().flatten().copied().collect();
+        for node in nodes {
+            let moved = used.iter().map(|&k| places[node.0].apply(soup.points[k as usize]));
+            let bounds =
+                moved.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
+                    [
+                        [0, 1, 2].map(|k| low[k].min(mm * p[k])),
+                        [0, 1, 2].map(|k| high[k].max(mm * p[k])),
+                    ]
+                });
+            found.push((soup.polygons.len(), bounds));
+        }
+    }
+    found
+}
+
+/// The files of the consortium have the objects and places that lib3mf finds. What lib3mf does not open is another test's.
+#[test]
+fn places_of_3mf_are_those_of_lib3mf() {
+    let (Some(collected), Some(made)) = (shared("assemblies/3mf"), shared("assemblies/made"))
+    else {
+        return;
+    };
+    let mut compared = 0;
+    for folder in [collected, made] {
+        for file in fs::read_dir(folder).expect("a folder").map(|file| file.expect("a file").path())
+        {
+            if file.extension().is_none_or(|extension| extension != "3mf") {
+                continue;
+            }
+            let expected = lib3mf_places(&file);
+            let Some(places) = expected["places"].as_array().filter(|places| !places.is_empty())
+            else {
+                continue;
+            };
+            // Some files that are not valid are read by one of both only, which `inspect` says.
+            let Ok(scene) = formats::read_scene(&file) else { continue };
+            let mut found = places_of(&scene);
+            assert_eq!(found.len(), places.len(), "{}", file.display());
+            for place in places {
+                let of =
+                    |side: usize, k: usize| place["bounds"][side][k].as_f64().expect("a number");
+                let size = (0..3).map(|k| of(1, k).abs().max(of(0, k).abs())).fold(0.0, f64::max);
+                let is_it = |(triangles, bounds): &(usize, [[f64; 3]; 2])| {
+                    // lib3mf has numbers of 32 bits.
+                    let is_near = |side: usize| {
+                        (0..3).all(|k| (bounds[side][k] - of(side, k)).abs() < 1e-6 * size)
+                    };
+                    place["triangles"] == *triangles && is_near(0) && is_near(1)
+                };
+                let at = found.iter().position(is_it);
+                found.swap_remove(at.unwrap_or_else(|| panic!("{}: {place}", file.display())));
+            }
+            compared += 1;
+        }
+    }
+    assert!(compared >= 18, "{compared} files");
 }
 
 /// The parts of the pipe joint: volumes in mm³ and colours.

@@ -47,9 +47,9 @@ def test_the_tree_is_that_of_the_file(joint: scan2step.Assembly) -> None:
 
 
 def test_distances_are_those_of_the_nearest_place(joint: scan2step.Assembly) -> None:
-    # Above the head of a bolt.
-    found = joint.distance([[22.0, 22.0, 15.0]])
-    assert found == pytest.approx([3.0], abs=1e-4)
+    # Above the head of a bolt, and beside the lower flange, whose nearest place is its upper edge.
+    found = joint.distance([[22.0, 22.0, 15.0], [40.0, 0.0, -12.0]])
+    assert found == pytest.approx([3.0, 116.0**0.5], abs=1e-4)
     with pytest.raises(ValueError, match="each part"):
         joint.deviations
 

@@ -11,6 +11,7 @@ use scan2step::{Options, Progress};
 
 use super::Failure;
 use super::args::{Piece, Up, cad_file};
+use super::assembly::Y_UP;
 
 /// A scan that was read: a mesh or a cloud of points. Its content is dropped once the mesh is made.
 pub(crate) struct ReadScan {
@@ -32,7 +33,9 @@ impl ReadScan {
         let name = &piece.scan.name;
         let (of_scene, painted) = match &content {
             SceneContent::Scene(scene) => {
-                (scene.notes.iter().map(ToString::to_string).collect(), scene.painted()?)
+                let notes = scene.notes.iter().map(ToString::to_string);
+                let axes = scene.is_y_up.then(|| Y_UP.to_string());
+                (notes.chain(axes).collect(), scene.painted()?)
             }
             SceneContent::Points(_) => (Vec::new(), None),
         };

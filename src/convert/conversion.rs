@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::{InputReport, TargetShape};
 use crate::deviation::{Deviation, FaceToScan, TrimmedFace, of_network};
 use crate::error::{BrepFault, Error, Result};
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::mesh::{Mesh, StandIns, Triangles, VertexMap};
 use crate::primitives::Primitive;
 use crate::spline::{Network, NetworkCut, Surface};
@@ -225,18 +225,31 @@ impl LeftFilled {
     }
 }
 
+/// Points so many mm from a triangle are on it: the precision of modelling kernels.
+const ON_TRIANGLE: f64 = 1e-7;
+
 impl ExactFit {
-    /// The distances of points from the faces. The triangles of the mesh tell which face is near, and where it ends.
+    /// The distances of points from the faces. The triangles of the mesh tell which face is near, and where it ends. Beside its
+    /// end the triangles tell how far it is.
     fn distances(&self, points: &[Point]) -> Vec<f64> {
         let triangles = Triangles::new(&self.mesh);
-        let face_at = |p: Point| self.of_triangle[triangles.nearest(p).1] as usize;
         let distance = |&p: &Point| {
             let (off, triangle) = triangles.nearest(p);
-            let face = self.of_triangle[triangle] as usize;
-            let foot = self.faces[face].surface.closest(p);
-            if face_at(foot) == face { (p - foot).norm() } else { off }
+            let surface = &self.faces[self.of_triangle[triangle] as usize].surface;
+            let foot = surface.closest(p);
+            let (beside, there) = triangles.nearest(foot);
+            let is_same = self.of_triangle[there] == self.of_triangle[triangle];
+            if is_same && beside <= self.chord(there, surface) { (p - foot).norm() } else { off }
         };
         points.par_iter().map(distance).collect()
+    }
+
+    /// How far a triangle is from its surface at most.
+    fn chord(&self, triangle: usize, surface: &Primitive) -> f64 {
+        let [a, b, c] = self.mesh.corners(self.mesh.triangles[triangle]).map(|p| p.coords);
+        let places = [(a + b + c) / 3.0, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0];
+        let off = |p: &Vector| surface.distance(Point::from(*p)).0.abs();
+        places.iter().map(off).fold(self.rounding.max(ON_TRIANGLE), f64::max)
     }
 }
 

@@ -41,6 +41,13 @@ pub fn opencascade_assembly(file: &Path) -> Value {
     answer(command)
 }
 
+/// The places of the meshes of a 3MF file in lib3mf. Null if it does not open the file.
+pub fn lib3mf_places(file: &Path) -> Value {
+    let mut command = opencascade_script("places_3mf.py");
+    command.arg(file);
+    answer(command)
+}
+
 /// Makes meshes of random parts in a folder, and the truth about each.
 pub fn make_random_parts(folder: &Path, seeds: &[u32]) {
     run(&mut random_parts("make", folder, seeds));
