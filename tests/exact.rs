@@ -268,3 +268,37 @@ fn mesh_volume(polygons: &Polygons) -> f64 {
     };
     polygons.iter().map(fan).sum()
 }
+
+/// A quarter of a cone on a quarter of its cylinder: its face has a corner at the apex.
+fn quarter_of_a_pencil() -> Polygons {
+    let apex = [0.0, 0.0, 25.0];
+    let mut outline = vec![[0.0, 0.0]];
+    outline.extend(arc([0.0, 0.0], 8.0, 0.0, FRAC_PI_2, 8));
+    let mut all = prism(&outline, 10.0);
+    // The lid gives way to the cone and to the walls beside it.
+    all.remove(0);
+    let at = |p: [f64; 2]| [p[0], p[1], 10.0];
+    outline.push(outline[0]);
+    all.extend(outline.windows(2).map(|pair| vec![at(pair[0]), at(pair[1]), apex]));
+    all
+}
+
+/// STEP has no edge at an apex. Kernels find such a face valid only after they have added one.
+#[test]
+fn a_corner_at_an_apex_becomes_facets_and_is_said() {
+    let polygons = quarter_of_a_pencil();
+    let (brep, report) = solid(&polygons);
+    assert_valid("a quarter of a pencil", &brep, volume(&brep));
+    assert_eq!(brep.corner_poles(), vec![]);
+    let meshed = mesh_volume(&polygons);
+    assert!(
+        volume(&brep) > meshed && volume(&brep) < 1.02 * meshed,
+        "{} of {meshed}",
+        volume(&brep)
+    );
+    let why: Vec<&str> = report.fallbacks.iter().map(|of| of.why.as_str()).collect();
+    assert_eq!(why, ["a border with a corner at the apex"]);
+    assert_eq!(report.fallbacks[0].kind, PrimitiveKind::Cone);
+    let kinds = report.kinds();
+    assert_eq!(kinds.iter().filter(|&&kind| kind == PrimitiveKind::Cylinder).count(), 1);
+}

@@ -3,7 +3,7 @@
 
 use formats::Brep;
 
-use super::conversion::Body;
+use super::conversion::{Body, BodyFit};
 use super::exact_body::{ExactBody, each, turned};
 use super::exact_distances::Distances;
 use super::input::{self, InputReport};
@@ -109,8 +109,17 @@ pub(super) fn exact(
         one.input.left_out = left_out;
         (one.component, one)
     });
-    let made = each(found.collect(), watch, |one, watch| body(one, scan, options, watch))?;
+    // What one of several components may lose is not known.
+    let least_exact = if shapes.len() == 1 { regions::MOST_OF_IT } else { 0.0 };
+    let of_one = |one, watch: &mut Observer| body(one, least_exact, scan, options, watch);
+    let made = each(found.collect(), watch, of_one)?;
     Ok(match (&made, options.shape) {
+        (Exact::Bodies(bodies), _)
+            if bodies.len() > 1 && exact_share(bodies) <= regions::MOST_OF_IT =>
+        {
+            let facets = 100.0 * (1.0 - exact_share(bodies));
+            Exact::Failed(format!("{facets:.0} % of their area would be facets"))
+        }
         (Exact::Bodies(bodies), Some(TargetShape::Face))
             if bodies.iter().any(|body| body.brep.faces.len() > 1) =>
         {
@@ -118,6 +127,17 @@ pub(super) fn exact(
         }
         _ => made,
     })
+}
+
+/// The share of the area of several bodies that is on surfaces which were found.
+fn exact_share(bodies: &[Body]) -> f64 {
+    let of = |body: &Body| match &body.fit {
+        BodyFit::Exact(fit) => [fit.mesh.area(), fit.explained * fit.mesh.area()],
+        _ => [0.0; 2],
+    };
+    let areas: Vec<[f64; 2]> = bodies.iter().map(of).collect();
+    let sum = |k: usize| areas.iter().map(|of| of[k]).sum::<f64>();
+    sum(1) / sum(0)
 }
 
 /// The regions of a component, unless it is noisy.
@@ -235,6 +255,7 @@ fn sewn(
 /// Makes the body of one component, or says why there is no valid one.
 fn body(
     found: ExactComponent,
+    least_exact: f64,
     scan: &Components,
     options: &Options,
     watch: &mut Observer,
@@ -257,7 +278,6 @@ fn body(
         triangles: region.triangles.clone(),
     });
     let measured = [mesh.points.len(), mesh.triangles.len()];
-    let least_exact = if regions.is_significant() { regions::MOST_OF_IT } else { 0.0 };
     let wanted = seams::Options { name: options.name.clone(), least_exact };
     let sewn = sewn(mesh, &errors, patches.collect(), shape, &wanted);
     let Sewn { mut brep, mut report, mesh, gaps } = match sewn {

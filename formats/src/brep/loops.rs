@@ -1,7 +1,7 @@
 //! Checks of the loops of faces.
 
 use super::check::{Checked, distance};
-use super::{Brep, BrepElement, BrepSurface, EdgeUse, Face, FaceId, ModelFault, PCurve};
+use super::{Brep, BrepElement, BrepSurface, EdgeUse, Face, FaceId, ModelFault, PCurve, VertexId};
 
 /// The number of parts of each span at whose ends an edge and its pcurve are compared. The error of
 /// a cubic fit has its maxima between the ends of a span, and eight parts are enough to find each
@@ -37,25 +37,37 @@ pub(super) fn jump(ring: &[EdgeUse], n: usize, sizes: [f64; 2]) -> Option<[[f64;
 }
 
 impl Brep {
-    /// The faces of which a corner is a pole of a sphere or the apex of a cone. OpenCASCADE finds
-    /// them in a STEP file valid only after healing, because STEP has no edge there. It is better
-    /// to choose the axis of a sphere so that its poles are outside of the face, or at the end of a
-    /// seam edge.
-    pub fn corner_poles(&self) -> Vec<FaceId> {
-        let is_corner = |face: &Face, ring: &Vec<EdgeUse>| {
-            let jumps = self.jumps(face, ring).into_iter().enumerate();
-            let mut edges = jumps.map(|(n, jumps)| (jumps, &ring[n], &ring[(n + 1) % ring.len()]));
-            edges.any(|(jumps, towards, from)| jumps && towards.edge != from.edge)
-        };
-        let faces = self.faces.iter().enumerate();
-        let found = faces.filter(|(_, face)| face.loops.iter().any(|ring| is_corner(face, ring)));
-        found.map(|(number, _)| FaceId(number)).collect()
+    /// The corners of faces that are the pole of a sphere or the apex of a cone: the faces with their
+    /// vertices there. OpenCASCADE finds such faces in a STEP file valid only after healing, because
+    /// STEP has no edge there. It is better to choose the axis of a sphere so that its poles are
+    /// outside of the face, or at the end of a seam edge.
+    pub fn corner_poles(&self) -> Vec<(FaceId, VertexId)> {
+        let mut found = Vec::new();
+        for (number, face) in self.faces.iter().enumerate() {
+            for ring in &face.loops {
+                for (n, jumps) in self.jumps(face, ring).into_iter().enumerate() {
+                    let [towards, from] = [&ring[n], &ring[(n + 1) % ring.len()]];
+                    if jumps && towards.edge != from.edge {
+                        let ends = self.edges[towards.edge.0].ends;
+                        found.push((FaceId(number), ends[usize::from(towards.forward)]));
+                    }
+                }
+            }
+        }
+        found
     }
 
-    /// For each use of a loop, whether the loop jumps at a pole from its pcurve to the next one.
+    /// For each use of a loop, whether the loop jumps at a pole from its pcurve to the next one. Gaps
+    /// that are as small as the uncertainty are jumps nowhere else.
     pub(crate) fn jumps(&self, face: &Face, ring: &[EdgeUse]) -> Vec<bool> {
-        let sizes = face.plane_sizes(&self.surfaces[face.surface.0]);
-        (0..ring.len()).map(|n| jump(ring, n, sizes).is_some()).collect()
+        let surface = &self.surfaces[face.surface.0];
+        let sizes = face.plane_sizes(surface);
+        let is_jump = |[from, _]: [[f64; 2]; 2]| {
+            let Some(period) = surface.periods()[0] else { return surface.spline().is_some() };
+            let across = surface.point(from[0] + 0.5 * period, from[1]);
+            distance(surface.point(from[0], from[1]), across) <= self.uncertainty_mm
+        };
+        (0..ring.len()).map(|n| jump(ring, n, sizes).is_some_and(is_jump)).collect()
     }
 
     /// The jumps of each loop of a face at poles: the parameter points from which and to which it

@@ -250,8 +250,62 @@ fn a_pole_at_a_corner_is_found() {
     let (polar, volume) = exact::octant(true);
     assert_eq!(polar.check(), Ok(()));
     assert!((polar.volume(ShellId(0)) - volume).abs() < 1e-12 * volume);
-    assert_eq!(polar.corner_poles(), vec![FaceId(3)]);
+    let corners = polar.corner_poles();
+    let faces: Vec<FaceId> = corners.iter().map(|corner| corner.0).collect();
+    assert_eq!(faces, vec![FaceId(3)]);
+    let [x, y, _] = polar.vertices[corners[0].1.0];
+    assert!(x.hypot(y) < 1e-12, "the corner is on the axis");
     for (brep, _) in all_exact() {
         assert_eq!(brep.corner_poles(), vec![], "{}", brep.name);
     }
+}
+
+/// Pcurves end beside the vertices of loose models. Where there is no pole, that changes nothing about the order of a loop.
+#[test]
+fn gaps_between_pcurves_do_not_change_the_order_of_loops() {
+    // The number and the direction of the edge of each use, in the order of the file.
+    let order = |brep: &Brep| -> Vec<(Option<usize>, bool)> {
+        let file = step_file(brep, Schema::Ap242);
+        let edges = file.lines().filter(|line| line.contains("=EDGE_CURVE("));
+        let edges: Vec<&str> = edges.filter_map(|line| line.split('=').next()).collect();
+        let uses = file.lines().filter(|line| line.contains("=ORIENTED_EDGE("));
+        let of = |line: &str| {
+            let edge = line.split(',').nth(3);
+            (edges.iter().position(|name| Some(*name) == edge), line.contains(".T."))
+        };
+        uses.map(of).collect()
+    };
+    let mut count = 0;
+    for (mut brep, _) in [exact::elbow(), exact::cylinder(), exact::plate()] {
+        brep.uncertainty_mm = 1e-6;
+        let whole = order(&brep);
+        assert!(whole.iter().all(|of| of.0.is_some()), "{}", brep.name);
+        for (face, ring, n) in uses(&brep) {
+            let of_loop = &brep.faces[face].loops[ring][n];
+            let range = of_loop.pcurve.range();
+            let PCurve::Line(_) = of_loop.pcurve else { continue };
+            for end in 0..2 {
+                let mut ends = of_loop.pcurve.ends();
+                // The line gets a little shorter.
+                let [from, to] = [ends[end], ends[1 - end]];
+                let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+                ends[end] = [0, 1].map(|k| from[k] + 1e-8 * (to[k] - from[k]) / length);
+                let mut loose = brep.clone();
+                loose.faces[face].loops[ring][n].pcurve =
+                    PCurve::line(ends[0], ends[1], range).unwrap();
+                assert_eq!(order(&loose), whole, "{}: face {face}, use {n}", brep.name);
+                assert_eq!(loose.corner_poles(), vec![], "{}: face {face}, use {n}", brep.name);
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 16, "{count} pcurves are lines");
+}
+
+/// The face, the loop and the place in it of each use of an edge.
+fn uses(brep: &Brep) -> Vec<(usize, usize, usize)> {
+    let faces = brep.faces.iter().enumerate();
+    let loops = faces
+        .flat_map(|(face, of)| of.loops.iter().enumerate().map(move |(k, ring)| (face, k, ring)));
+    loops.flat_map(|(face, k, ring)| (0..ring.len()).map(move |n| (face, k, n))).collect()
 }

@@ -61,6 +61,7 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
             .collect(),
     )?;
     none(crossings(work, &brep, &network, &patch_of))?;
+    none(corner_poles(work, &brep, &network, &patch_of))?;
     brep.check().map_err(|fault| {
         let faces = faces_of(&brep, &fault).into_iter().map(|face| patch_of[face]);
         vec![SeamFault::new(&faces.collect::<Vec<_>>(), fault.to_string())]
@@ -75,6 +76,23 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
 /// An error unless there are no faults.
 pub(super) fn none(faults: Vec<SeamFault>) -> Result<(), Vec<SeamFault>> {
     if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// The faces that have a corner at a pole or an apex. STEP has no edge there, and kernels find no closed loop.
+fn corner_poles(
+    work: &Work,
+    brep: &Brep,
+    network: &ChainNetwork,
+    patch_of: &[usize],
+) -> Vec<SeamFault> {
+    let of = |(face, vertex): (FaceId, VertexId)| {
+        let i = patch_of[face.0];
+        let place =
+            if work.patches[i].surface.kind() == PrimitiveKind::Cone { "apex" } else { "pole" };
+        let at: Vec<u32> = network.junctions.get(vertex.0).copied().into_iter().collect();
+        SeamFault::near(&[i], &at, format!("a border with a corner at the {place}"))
+    };
+    brep.corner_poles().into_iter().map(of).collect()
 }
 
 /// The faces that a fault speaks of.
