@@ -22,6 +22,9 @@ const CHOSEN: f64 = 0.5;
 const CHOSEN_PLACES: i32 = 2;
 const ROUNDED_FIVES: f64 = 1.0 / 9.0;
 
+/// Numbers are read from text to about this share.
+const TEXT: f64 = 1e-12;
+
 /// The finest decimal place that is looked for: those of float64 end there for parts of any size.
 const MOST_DECIMALS: i32 = 12;
 
@@ -119,8 +122,8 @@ fn half_ulp(x: f64, is_single: bool) -> f64 {
 
 /// The decimal places of a lattice that holds all numbers, which ascend, if they use it as roundings do.
 fn decimal_places(numbers: &[f64], is_single: bool) -> Option<i32> {
-    // Text is read to about 1e-12; a number of 32 bits is the nearest to its decimal one, or next to it.
-    let slack = |x: f64| if is_single { 2.02 * half_ulp(x, true) } else { 1e-12 * x };
+    // A number of 32 bits is the nearest to its decimal one, or next to it.
+    let slack = |x: f64| if is_single { 2.02 * half_ulp(x, true) } else { TEXT * x };
     let on_lattice = |places: i32| {
         let step = 10f64.powi(-places);
         numbers.iter().all(|&x| (x - (x / step).round() * step).abs() <= slack(x))
@@ -146,7 +149,7 @@ fn were_single(numbers: &[f64], places: i32, is_cut: bool) -> bool {
             let whole = (x / step).round();
             f64::from(whole as f32) == whole
         } else {
-            (x - f64::from(x as f32)).abs() <= 0.5 * step + 1e-12 * x
+            (x - f64::from(x as f32)).abs() <= 0.5 * step + TEXT * x
         }
     };
     let rarity = |&x: &f64| {
@@ -184,7 +187,8 @@ mod tests {
         let rounded = |x: f64| format!("{x:.6}").parse().expect("a number");
         let cut = |x: f64| f64::from((x as f32 * 1e6).trunc()) / 1e6;
         let single = |x: f64| f64::from(x as f32);
-        let files: [(&dyn Fn(f64) -> f64, bool, bool); 3] =
+        type Written<'a> = &'a dyn Fn(f64) -> f64;
+        let files: [(Written, bool, bool); 3] =
             [(&|x| rounded(single(x)), true, false), (&cut, true, true), (&rounded, false, false)];
         for (written, is_single, is_cut) in files {
             let of: Vec<[f64; 3]> = points().iter().map(|p| p.map(written)).collect();
