@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         surface: region.surface.scaled(build.mm),
         side: region.side,
         is_facet: region.origin == RegionOrigin::Facet,
+        is_bent: false,
         triangles: region.triangles.clone(),
     });
     let mut mesh = build.mesh.clone();

@@ -122,6 +122,7 @@ fn patches(soup: &Soup, build: &Build) -> (Vec<f64>, Vec<FacePatch>) {
         surface: region.surface.scaled(build.mm),
         side: region.side,
         is_facet: region.origin == RegionOrigin::Facet,
+        is_bent: false,
         triangles: region.triangles.clone(),
     });
     (errors.iter().map(|e| e * build.mm).collect(), patches.collect())

@@ -177,6 +177,9 @@ pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     }
 }
 
+/// The most places of facets that are named in the terminal. A report has all.
+const MOST_FALLBACKS: usize = 8;
+
 /// Says why faces are exact, and what was moved or has become facets.
 fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
     let why = match exact.noise {
@@ -186,7 +189,19 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
     progress.say(&format!("{of}surfaces: exact, as {why} (--surfaces spline to change)"));
     gaps::say(progress, of, exact);
     cylinders::say(progress, of, exact);
-    for fallback in &exact.fallbacks {
+    if let Some(widest) = exact.risers.iter().max_by_key(|riser| riser.triangles) {
+        let (n, p) = (exact.risers.len(), widest.place);
+        progress.say(&format!(
+            "{of}edges: at {} surfaces do not meet, and triangles join them; {} of them near ({:.3}, {:.3}, {:.3}), where {}",
+            plural(n, "place"),
+            grouped(widest.triangles),
+            p.x,
+            p.y,
+            p.z,
+            widest.why
+        ));
+    }
+    for fallback in exact.fallbacks.iter().take(MOST_FALLBACKS) {
         let (kind, p) = (fallback.kind.name(), fallback.place);
         progress.say(&format!(
             "{of}facets: {} of a {kind} near ({:.3}, {:.3}, {:.3}), as {}",
@@ -197,10 +212,17 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
             fallback.why
         ));
     }
+    if exact.fallbacks.len() > MOST_FALLBACKS {
+        let left = exact.fallbacks.len() - MOST_FALLBACKS;
+        progress.say(&format!(
+            "{of}facets: {} more; --report out.json lists all",
+            plural(left, "place")
+        ));
+    }
     if exact.facets > 0 {
         progress.say(&format!(
-            "{of}facets: {} flat, as no surface was found that has their corners; {:.1} % of the area is exact",
-            if exact.facets == 1 { "1 face is".into() } else { format!("{} faces are", grouped(exact.facets)) },
+            "{of}facets: {}, as no surface was found that has their corners; {:.1} % of the area is exact",
+            if exact.facets == 1 { "1 face is a facet".into() } else { format!("{} faces are facets", grouped(exact.facets)) },
             100.0 * exact.explained
         ));
     }

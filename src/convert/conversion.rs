@@ -14,6 +14,7 @@ use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::adapt::Adapted;
 use crate::stages::regions::Snap;
 use crate::stages::seams::{ClosedGap, Fallback};
+use crate::stages::sharpen::Riser;
 use crate::stages::{fill, layout, net, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
 
@@ -117,6 +118,8 @@ pub struct ExactFit {
     pub fallbacks: Vec<Fallback>,
     /// The gaps of the mesh that were closed.
     pub gaps: Vec<ClosedGap>,
+    /// Where the surfaces of a scan do not meet, so that triangles join them.
+    pub risers: Vec<Riser>,
     /// What was moved within the rounding of the file.
     pub snaps: Vec<Snap>,
     /// The share of the area that is not facets.

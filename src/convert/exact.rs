@@ -275,6 +275,7 @@ fn body(
         surface: region.surface.scaled(mm),
         side: region.side,
         is_facet: region.origin == RegionOrigin::Facet,
+        is_bent: false,
         triangles: region.triangles.clone(),
     });
     let measured = [mesh.points.len(), mesh.triangles.len()];
@@ -308,6 +309,7 @@ fn body(
         mm,
         report,
         gaps,
+        risers: Vec::new(),
         snaps: regions.snaps,
         distances,
         tolerance: regions::MOST_ERRORS * rounding,

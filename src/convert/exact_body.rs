@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::mesh::{Choice, Mesh, VertexMap};
 use crate::stages::regions::Snap;
 use crate::stages::seams::{ClosedGap, FacePatch, Report};
+use crate::stages::sharpen::Riser;
 use crate::stages::{fill, smooth};
 
 /// What the seams of a component made, and how far it is from the scan. Lengths are in mm.
@@ -26,6 +27,7 @@ pub(super) struct ExactBody {
     pub mm: f64,
     pub report: Report,
     pub gaps: Vec<ClosedGap>,
+    pub risers: Vec<Riser>,
     pub snaps: Vec<Snap>,
     pub distances: Distances,
     pub deviation: Deviation,
@@ -72,6 +74,7 @@ impl ExactBody {
                 facets: self.report.facets,
                 fallbacks: self.report.fallbacks,
                 gaps: self.gaps,
+                risers: self.risers,
                 snaps: self.snaps,
                 explained: distances.explained,
                 rounding: self.rounding,

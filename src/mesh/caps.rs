@@ -18,12 +18,10 @@ const FLAT: f64 = 1e-9;
 pub(super) fn flip(build: &mut Build) -> bool {
     let mut gone = 0;
     loop {
-        let (mesh, triangles) = (&build.mesh, build.mesh.triangles.par_iter());
-        let flat: Vec<Option<usize>> = triangles.map(|&t| longest_if_flat(mesh, t)).collect();
-        if flat.iter().all(Option::is_none) {
-            break;
-        }
-        let changed = round(build, &flat);
+        let Build { mesh, edges, .. } = build;
+        let (flipped, dropped) = round(mesh, edges, FLAT, |_, _| true);
+        build.drop_triangles(&dropped);
+        let changed = dropped.len() + flipped.len();
         if changed == 0 {
             break;
         }
@@ -34,56 +32,65 @@ pub(super) fn flip(build: &mut Build) -> bool {
     gone > 0
 }
 
-/// Flips or drops caps of which no two share a triangle or a neighbour. Returns the number of caps
-/// that were removed.
-fn round(build: &mut Build, flat: &[Option<usize>]) -> usize {
-    let rings = VertexRings::new(&build.mesh);
-    let mut touched = HashSet::new();
+/// Flips caps of which no two share a triangle or a neighbour. `may` tells whether a cap may be flipped with the triangle at its
+/// longest side. Returns the triangles of the flipped pairs, and the caps at the boundary, which can go.
+pub(crate) fn round(
+    mesh: &mut Mesh,
+    edges: &EdgeMap,
+    share: f64,
+    may: impl Fn(usize, usize) -> bool,
+) -> (Vec<[usize; 2]>, HashSet<usize>) {
+    let (whole, triangles) = (&*mesh, mesh.triangles.par_iter());
+    let flat: Vec<Option<usize>> = triangles.map(|&t| longest_if_flat(whole, t, share)).collect();
+    let mut flipped = Vec::new();
     let mut dropped = HashSet::new();
-    let mut flipped = 0;
+    if flat.iter().all(Option::is_none) {
+        return (flipped, dropped);
+    }
+    let rings = VertexRings::new(mesh);
+    let mut touched = HashSet::new();
     for (t, k) in flat.iter().enumerate().filter_map(|(t, k)| k.map(|k| (t, k))) {
-        let corners = build.mesh.triangles[t];
+        let corners = mesh.triangles[t];
         let [p, q, r] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
-        let Some(other) = build.edges.across(3 * t + k) else {
+        let Some(other) = edges.across(3 * t + k) else {
             if touched.insert(t) {
                 dropped.insert(t);
             }
             continue;
         };
         let (o, j) = (other / 3, other % 3);
-        let facing = build.mesh.triangles[o];
+        let facing = mesh.triangles[o];
         let d = facing[(j + 2) % 3];
-        let sound = flat[o].is_none() && facing[j] == q && d != r;
-        let news = sound && !rings.neighbours(&build.mesh, r).any(|v| v == d);
+        let sound = flat[o].is_none() && facing[j] == q && d != r && may(t, o);
+        let news = sound && !rings.neighbours(mesh, r).any(|v| v == d);
         let apart = [t, o]
             .iter()
-            .chain(&around(build, t))
-            .chain(&around(build, o))
+            .chain(&around(edges, t))
+            .chain(&around(edges, o))
             .all(|t| !touched.contains(t));
         if news && apart {
-            build.mesh.triangles[t] = [p, d, r];
-            build.mesh.triangles[o] = [q, r, d];
+            mesh.triangles[t] = [p, d, r];
+            mesh.triangles[o] = [q, r, d];
             touched.extend([t, o]);
-            flipped += 1;
+            flipped.push([t, o]);
         }
     }
-    build.drop_triangles(&dropped);
-    dropped.len() + flipped
+    (flipped, dropped)
 }
 
 /// The triangles that share a side with `t`.
-fn around(build: &Build, t: usize) -> Vec<usize> {
-    (3 * t..3 * t + 3).filter_map(|side| build.edges.across(side)).map(|side| side / 3).collect()
+fn around(edges: &EdgeMap, t: usize) -> Vec<usize> {
+    (3 * t..3 * t + 3).filter_map(|side| edges.across(side)).map(|side| side / 3).collect()
 }
 
 /// The longest side of the triangle, if the triangle is a cap. A triangle whose third corner
 /// coincides with an end of this side is not a cap, because a flip would not improve it.
-fn longest_if_flat(mesh: &Mesh, t: [VertexId; 3]) -> Option<usize> {
+fn longest_if_flat(mesh: &Mesh, t: [VertexId; 3], share: f64) -> Option<usize> {
     let [a, b, c] = mesh.corners(t);
     let squares = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
     let long = squares[0].max(squares[1]).max(squares[2]);
     let short = squares[0].min(squares[1]).min(squares[2]);
-    let is_flat = (b - a).cross(&(c - a)).norm_squared() <= (FLAT * long).powi(2);
+    let is_flat = (b - a).cross(&(c - a)).norm_squared() <= (share * long).powi(2);
     (is_flat && short > ROUNDING * long).then(|| squares.iter().position(|&s| s == long))?
 }
 

@@ -10,7 +10,7 @@ mod beside;
 mod body;
 pub mod boundary;
 mod build;
-mod caps;
+pub(crate) mod caps;
 mod components;
 pub mod crossings;
 mod disk;

@@ -9,6 +9,7 @@ use crate::geometry::{Point, Vector, plane_axes};
 use crate::primitives::Primitive;
 use crate::stages::regions::{Snap, SnapKind};
 use crate::stages::seams::{ClosedGap, Fallback, GapFill};
+use crate::stages::sharpen::Riser;
 use crate::words::grouped;
 
 /// What exact faces are, and what is not exact.
@@ -29,6 +30,8 @@ pub struct ExactFigures {
     pub snaps: Vec<SnapFigures>,
     /// Faces that were found, but became facets.
     pub facets: Vec<FacetFigures>,
+    /// Where the surfaces of a scan do not meet, so that triangles join them.
+    pub risers: Vec<RiserFigures>,
     /// Gaps of the mesh that were closed.
     pub gaps: Vec<GapFigures>,
 }
@@ -105,6 +108,19 @@ pub struct FacetFigures {
     pub why: String,
 }
 
+/// Triangles that join surfaces of a scan which do not meet.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct RiserFigures {
+    /// The number of the triangles.
+    pub triangles: usize,
+    /// A point of them.
+    pub at: [f64; 3],
+    /// Why.
+    pub why: &'static str,
+}
+
 /// A gap of the mesh that was closed.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -136,6 +152,7 @@ impl ExactFigures {
             cylinders,
             snaps: fit.snaps.iter().map(|snap| SnapFigures::of(snap, fit.mm)).collect(),
             facets: fit.fallbacks.iter().map(FacetFigures::of).collect(),
+            risers: fit.risers.iter().map(RiserFigures::of).collect(),
             gaps: fit.gaps.iter().map(GapFigures::of).collect(),
         }
     }
@@ -220,6 +237,12 @@ impl SnapFigures {
             SnapKind::Tangent => "tangent",
         };
         SnapFigures { face: snap.region, to, before, after }
+    }
+}
+
+impl RiserFigures {
+    fn of(riser: &Riser) -> Self {
+        RiserFigures { triangles: riser.triangles, at: riser.place.into(), why: riser.why }
     }
 }
 

@@ -33,6 +33,9 @@ pub(super) fn rows(view: &ExactView) -> Value {
         "facets": figures.facets.iter().map(|row| json!({
             "surface": row.surface, "triangles": row.triangles, "at": row.at, "why": row.why,
         })).collect::<Vec<_>>(),
+        "risers": figures.risers.iter().map(|row| json!({
+            "triangles": row.triangles, "at": row.at, "why": row.why,
+        })).collect::<Vec<_>>(),
         "facet_faces": facet_faces.map_or(0, |(_, count)| count),
         "explained_pct": figures.explained_pct,
     })

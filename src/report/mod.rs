@@ -76,7 +76,8 @@ pub use check::{
 };
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use exact::{
-    CylinderFigures, ExactFigures, FacetFigures, GapFigures, SnapFigures, SurfaceFigures,
+    CylinderFigures, ExactFigures, FacetFigures, GapFigures, RiserFigures, SnapFigures,
+    SurfaceFigures,
 };
 pub use figures::{
     BodyFigures, DeviationFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,

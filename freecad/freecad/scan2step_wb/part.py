@@ -79,6 +79,8 @@ def notes(report):
         lines.append(f"moved within the rounding of the file: {moved}")
     for row in exact["facets"]:
         lines.append(f"{counted(row['triangles'], 'facet')} of a {row['surface']} near {place(row['at'])}, as {row['why']}")
+    for row in exact["risers"]:
+        lines.append(f"{counted(row['triangles'], 'triangle')} between two faces near {place(row['at'])}, where {row['why']}")
     if exact["explained_pct"] < 100.0:
-        lines.append(f"{exact['explained_pct']:.1f} % of the area is exact; the rest is flat facets")
+        lines.append(f"{exact['explained_pct']:.1f} % of the area is exact; the rest is facets")
     return lines

@@ -81,7 +81,13 @@ impl GapClosure {
         let patch = self.closed.patches.len();
         let triangles = Vec::new();
         let surface = bore.cylinder;
-        self.closed.patches.push(FacePatch { surface, side: -1.0, is_facet: false, triangles });
+        self.closed.patches.push(FacePatch {
+            surface,
+            side: -1.0,
+            is_facet: false,
+            is_bent: false,
+            triangles,
+        });
         let ring = self.ring_between(bore, a, b);
         let gap = |rim: &Rim, added_triangles| ClosedGap {
             rim_vertices: rim.vertices.len(),

@@ -19,7 +19,7 @@ const FITS: f64 = 1e-8;
 const LIES: f64 = 5e-7;
 
 /// A spline lies on both surfaces within so many mm, a fifth of the kernels' precision.
-const SPLINE: f64 = 2e-8;
+pub(super) const SPLINE: f64 = 2e-8;
 
 /// The most points of a spline.
 const MOST_POINTS: usize = 1500;

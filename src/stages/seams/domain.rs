@@ -3,7 +3,6 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::chart::{Chart, around};
-use super::curves::Pair;
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
 use super::{EXACT, Work};
@@ -190,7 +189,7 @@ impl Work<'_> {
         (k, at): (usize, f64),
     ) -> Option<(usize, Point)> {
         let of = &network.chains[chain];
-        let pair = self.pair(of.left, of.right, of.touches);
+        let pair = self.pair(of);
         let off = |p: Point| match chart.parameters(p) {
             (_, true) if k == 0 => 0.0,
             _ if chart.off_seam(p, k, at) < EXACT => 0.0,
@@ -265,10 +264,6 @@ impl Work<'_> {
             return axis;
         }
         best_of(&through, &|axis| nearest(axis).min(nearest(-axis))).1.unwrap_or(candidates[0])
-    }
-
-    pub(super) fn pair(&self, left: usize, right: usize, touches: bool) -> Pair<'_> {
-        Pair { a: &self.patches[left].surface, b: &self.patches[right].surface, touches }
     }
 }
 

@@ -72,6 +72,18 @@ struct FaceLoops {
     perimeter: Perimeter,
 }
 
+/// Why a face has no loops, and the uses at the place if it is known.
+struct LoopFault {
+    why: String,
+    uses: Vec<ChainUse>,
+}
+
+impl From<String> for LoopFault {
+    fn from(why: String) -> Self {
+        LoopFault { why, uses: Vec::new() }
+    }
+}
+
 /// What the faces share.
 pub(super) struct FaceBuilder<'a> {
     pub work: &'a Work<'a>,
@@ -100,6 +112,9 @@ struct FaceSeams<'a> {
 impl FaceBuilder<'_> {
     /// Adds the face of a patch, or its faces if cuts divide it.
     pub fn face(&mut self, i: usize, plan: &FacePlan) -> Result<(), SeamFault> {
+        if self.bent_face(i).map_err(|why| SeamFault::new(&[i], why))? {
+            return Ok(());
+        }
         let side = self.work.patches[i].side;
         let chart = &plan.chart;
         let rings = self.network.loops[i].iter();
@@ -110,7 +125,11 @@ impl FaceBuilder<'_> {
             })
             .collect();
         let made = self.loops(plan, &natural);
-        let made = made.map_err(|why| SeamFault::new(&[i], why))?;
+        let made = made.map_err(|LoopFault { why, uses }| {
+            let chains = uses.iter().map(|of| &self.network.chains[of.0]);
+            let vertices: Vec<u32> = chains.flat_map(|of| of.mesh_vertices.clone()).collect();
+            SeamFault::near(&[i], &vertices, why)
+        })?;
         let triangles = self.divided(i, chart, &made);
         for (face, triangles) in made.into_iter().zip(triangles) {
             let mut loops = face.loops;
@@ -152,7 +171,7 @@ impl FaceBuilder<'_> {
         &mut self,
         plan: &FacePlan,
         natural: &[Vec<ChainUse>],
-    ) -> Result<Vec<FaceLoops>, String> {
+    ) -> Result<Vec<FaceLoops>, LoopFault> {
         let chart = &plan.chart;
         let perimeter = Perimeter::of(&chart.surface, plan.v);
         let mut seams = FaceSeams {
@@ -181,17 +200,27 @@ impl FaceBuilder<'_> {
             outer.push(perimeter.whole()?.into_iter().map(LoopPart::Seam).collect());
         }
         if outer.len() > 1 && !perimeter.is_cut {
-            return Err(format!("{} outer loops", outer.len()));
+            return Err(format!("{} outer loops", outer.len()).into());
         }
         let mut made = Vec::new();
         for ring in outer {
             let uses = self.ring(&mut seams, &ring)?;
             made.push(FaceLoops { loops: vec![uses], outline: outline(&ring), perimeter });
         }
-        for ring in holes {
-            let start = outline(&ring).first().copied().unwrap_or_default();
+        let outlines: Vec<Vec<Uv>> = holes.iter().map(|ring| outline(ring)).collect();
+        for (k, ring) in holes.iter().enumerate() {
+            let start = outlines[k].first().copied().unwrap_or_default();
             let home = made.iter().position(|face| is_inside(start, &face.outline));
-            let uses = self.ring(&mut seams, &ring)?;
+            let is_in_hole = || (0..holes.len()).any(|j| j != k && is_inside(start, &outlines[j]));
+            if !perimeter.is_cut && (home.is_none() || is_in_hole()) {
+                let uses = ring.iter().flat_map(|part| match part {
+                    LoopPart::Run(run) => run.uses.clone(),
+                    LoopPart::Seam(_) => Vec::new(),
+                });
+                let why = "a hole that is not in its face".into();
+                return Err(LoopFault { why, uses: uses.collect() });
+            }
+            let uses = self.ring(&mut seams, ring)?;
             made[home.unwrap_or(0)].loops.push(uses);
         }
         Ok(made)

@@ -78,7 +78,7 @@ impl Work<'_> {
             if !patch.is_facet {
                 continue;
             }
-            if patch.triangles.len() == 1 {
+            if self.is_bent(i) {
                 if let Some(plane) = self.plane(patch, &places) {
                     self.patches[i].surface = plane;
                 }

@@ -183,7 +183,8 @@ impl GapClosure {
                 let triangles = Vec::new();
                 // The plane of a single triangle follows its corners.
                 let is_facet = ring.len() == 3;
-                let patch = FacePatch { surface: plane, side: 1.0, is_facet, triangles };
+                let patch =
+                    FacePatch { surface: plane, side: 1.0, is_facet, is_bent: false, triangles };
                 self.closed.patches.push(patch);
                 (self.closed.patches.len() - 1, GapFill::Plane)
             }

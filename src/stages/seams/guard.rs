@@ -109,7 +109,7 @@ impl Work<'_> {
     pub(super) fn strips(&self, network: &ChainNetwork) -> Vec<f64> {
         let mut strips = vec![0.0; self.patches.len()];
         for chain in &network.chains {
-            let pair = self.pair(chain.left, chain.right, chain.touches);
+            let pair = self.pair(chain);
             let off = |p: Point| (pair.project(p) - p).norm();
             let places: Vec<Point> =
                 chain.mesh_vertices.iter().map(|&v| self.mesh.points[v as usize]).collect();

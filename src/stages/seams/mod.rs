@@ -13,6 +13,7 @@
 //! one face each ([`open_shell`]).
 
 mod agreement;
+mod arches;
 mod bores;
 mod chart;
 
@@ -56,6 +57,8 @@ pub struct FacePatch {
     pub side: f64,
     /// Whether the surface is only the plane of a facet. Its vertices are then corners of the face.
     pub is_facet: bool,
+    /// Whether a facet of two triangles has no plane. Its edges are its border, and its surface is laid through them.
+    pub is_bent: bool,
     /// The triangles.
     pub triangles: Vec<u32>,
 }
@@ -310,6 +313,6 @@ impl FacePatch {
         let normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector::z);
         let origin = triangles.first().map_or_else(Point::origin, |t| mesh.point(of(t)[0]));
         let surface = Primitive::Plane { origin, normal };
-        FacePatch { surface, side: 1.0, is_facet: true, triangles }
+        FacePatch { surface, side: 1.0, is_facet: true, is_bent: false, triangles }
     }
 }

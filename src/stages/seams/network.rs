@@ -1,8 +1,10 @@
 //! Chains of mesh edges between two patches, and the loops of each patch.
 
 use super::Work;
+use super::arches::Arch;
 use super::fallback::SeamFault;
-use crate::geometry::Point;
+use crate::geometry::{Point, VertexId};
+use crate::primitives::Primitive;
 
 /// Mesh edges between the same two patches. The left one is on the left of the direction, seen from outside.
 #[derive(Debug, Clone)]
@@ -17,6 +19,9 @@ pub(super) struct Chain {
     pub ends: Option<[usize; 2]>,
     /// Whether the surfaces touch instead of crossing.
     pub touches: bool,
+    /// The edge between a facet and a curved face, as a whole, and the plane that it lies in.
+    pub arch: Option<Arch>,
+    pub upright: Option<Primitive>,
     /// The largest error of its mesh vertices.
     pub error: f64,
 }
@@ -41,6 +46,14 @@ pub(super) struct ChainNetwork {
     pub vertices: Vec<Point>,
     /// The mesh vertex that each of the first vertices is.
     pub junctions: Vec<u32>,
+}
+
+impl ChainNetwork {
+    /// The place of a mesh vertex at which chains end.
+    pub fn junction_place(&self, v: VertexId) -> Option<Point> {
+        let number = self.junctions.binary_search(&v.0).ok()?;
+        Some(self.vertices[number])
+    }
 }
 
 impl Work<'_> {
@@ -121,6 +134,8 @@ impl Work<'_> {
                 mesh_vertices,
                 ends,
                 touches: false,
+                arch: None,
+                upright: None,
             });
         }
         self.chain_loops(&mut network, &begins, &lasts)?;

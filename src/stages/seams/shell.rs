@@ -5,7 +5,6 @@ use formats::brep::{BrepCurve, BrepElement, FaceId, ModelFault, Shell, VertexId}
 
 use super::chart::array;
 use super::crossings::crossings;
-use super::curves::Pair;
 use super::domain::FacePlan;
 use super::faces::FaceBuilder;
 use super::fallback::SeamFault;
@@ -39,6 +38,7 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     work.place_vertices(&mut network)?;
     work.fit_walls(&network);
     work.fit_facets(&network)?;
+    work.raise_arches(&mut network);
     work.refine(&mut network)?;
     let strips = work.strips(&network);
     let plans = work.plans(&mut network)?;
@@ -64,7 +64,9 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     none(corner_poles(work, &brep, &network, &patch_of))?;
     brep.check().map_err(|fault| {
         let faces = faces_of(&brep, &fault).into_iter().map(|face| patch_of[face]);
-        vec![SeamFault::new(&faces.collect::<Vec<_>>(), fault.to_string())]
+        let chain = edge_of(&fault).and_then(|edge| network.chains.get(edge));
+        let vertices = chain.map_or(&[][..], |chain| &chain.mesh_vertices);
+        vec![SeamFault::near(&faces.collect::<Vec<_>>(), vertices, fault.to_string())]
     })?;
     work.guard(&brep, &strips, &patch_of)?;
     let of_face =
@@ -102,6 +104,7 @@ fn faces_of(brep: &Brep, fault: &ModelFault) -> Vec<usize> {
         ModelFault::Measures(e, _) | ModelFault::OffSurface(e, _) => *e,
         ModelFault::Open(e) | ModelFault::OpenInPlane(e) | ModelFault::Laps(e) => *e,
         ModelFault::WrongWay(e) | ModelFault::Vertex(e, _) => *e,
+        ModelFault::Uses { edge, .. } => BrepElement::Edge(edge.0),
         _ => return Vec::new(),
     };
     match element {
@@ -112,6 +115,14 @@ fn faces_of(brep: &Brep, fault: &ModelFault) -> Vec<usize> {
             uses.get(n).into_iter().flatten().map(|(face, _)| face.0).collect()
         }
         _ => Vec::new(),
+    }
+}
+
+/// The edge that a fault speaks of.
+fn edge_of(fault: &ModelFault) -> Option<usize> {
+    match fault {
+        ModelFault::Uses { edge, .. } => Some(edge.0),
+        _ => None,
     }
 }
 
@@ -132,8 +143,8 @@ impl Work<'_> {
             if !a.is_facet && !b.is_facet {
                 chain.touches |= touch(&a.surface, &b.surface, &chain.points, chain.error);
             }
-            let pair = Pair { a: &a.surface, b: &b.surface, touches: chain.touches };
-            if let Err(why) = pair.refine(chain) {
+            let of = chain.clone();
+            if let Err(why) = self.pair(&of).refine(chain) {
                 faults.push(SeamFault::near(&sides, &chain.mesh_vertices, why));
             }
         }
@@ -200,26 +211,39 @@ impl Work<'_> {
         number: usize,
         plans: &[FacePlan],
     ) -> Result<(BrepCurve, f64), String> {
-        let Chain { left, right, touches, .. } = network.chains[number];
-        let pair = self.pair(left, right, touches);
+        let Chain { left, right, .. } = network.chains[number];
         let limit = self.limit_at(network.chains[number].error);
-        let (mut curve, mut off) = pair.curve_within(&network.chains[number], limit)?;
+        let made = |chain: &Chain| match &chain.arch {
+            Some(arch) => arch
+                .curve([chain.points[0], chain.points[chain.points.len() - 1]])
+                .map(|curve| (curve, 0.0)),
+            None => self.pair(chain).curve_within(chain, limit),
+        };
+        let (mut curve, mut off) = made(&network.chains[number])?;
         if self.is_clockwise(&curve, [left, right], plans) {
             network.reverse(number);
-            (curve, off) = pair.curve_within(&network.chains[number], limit)?;
+            (curve, off) = made(&network.chains[number])?;
         }
-        let faces = self.pair_of_faces(left, right, touches);
-        if self.is_wall(left) || self.is_wall(right) {
-            off = faces.worst(&curve);
+        let mut off_planes = 0.0;
+        if let Some(faces) = self.pair_of_faces(&network.chains[number]) {
+            off_planes = faces.off_planes(&curve);
+            if [left, right].iter().any(|&i| self.is_wall(i) || self.is_bent(i)) {
+                off = faces.worst(&curve);
+            }
+        } else {
+            off = 0.0;
         }
         let Some(ends) = network.chains[number].ends else {
             return Err("a chain without ends".into());
         };
-        for (place, end) in curve.ends().map(Point::from).iter().zip(ends) {
+        let [from, to] = curve.ends().map(Point::from);
+        if ends[0] != ends[1] && (to - from).norm() < KERNEL {
+            return Err("an edge without a length".into());
+        }
+        for (place, end) in [from, to].iter().zip(ends) {
             off = off.max((place - network.vertices[end]).norm());
         }
         // A distance that is not a number fails, too.
-        let off_planes = faces.off_planes(&curve);
         if off_planes < EXACT && off < limit {
             Ok((curve, off))
         } else {

@@ -31,7 +31,7 @@ impl Work<'_> {
         let mut around: Vec<Vec<usize>> = vec![Vec::new(); self.mesh.points.len()];
         for (t, corners) in self.mesh.triangles.iter().enumerate() {
             let own = self.of_triangle[t];
-            if !self.patches[own].is_facet || self.patches[own].triangles.len() > 1 {
+            if !self.is_bent(own) {
                 corners.iter().for_each(|v| around[v.index()].push(own));
             }
         }
@@ -55,7 +55,9 @@ impl Work<'_> {
         let mut faults = Vec::new();
         for (n, &v) in network.junctions.iter().enumerate() {
             let all = &around[v as usize];
-            let patches: Vec<&FacePatch> = all.iter().map(|&i| &self.patches[i]).collect();
+            let mut patches: Vec<&FacePatch> = all.iter().map(|&i| &self.patches[i]).collect();
+            // Pieces of one surface hold a vertex once.
+            patches.dedup_by_key(|patch| patch.surface);
             let start = network.vertices[n];
             let error = self.errors[v as usize];
             let limit = self.limit_at(error);

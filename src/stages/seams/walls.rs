@@ -1,7 +1,6 @@
 //! Walls: surfaces that stand on the faces of an open shell along its rims. A free edge is the seam of its face and a wall.
 //! Walls have no triangles, and become no faces.
 
-use super::curves::Pair;
 use super::network::{Chain, ChainNetwork, ChainUse};
 use super::rims::OFF_RIM;
 use super::stretches::{RimStretches, WallKind};
@@ -42,7 +41,13 @@ impl Work<'_> {
             let surface = self.wall(kind, chain, &chain.points);
             chain.right = self.patches.len();
             let triangles = Vec::new();
-            self.patches.push(FacePatch { surface, side: 1.0, is_facet: true, triangles });
+            self.patches.push(FacePatch {
+                surface,
+                side: 1.0,
+                is_facet: true,
+                is_bent: false,
+                triangles,
+            });
             self.tries.push(0);
             self.walls.push(kind);
         }
@@ -130,15 +135,6 @@ impl Work<'_> {
         };
         // Several outer loops would be several faces.
         if parts.iter().filter(is_outer).count() > 1 { vec![ring] } else { parts }
-    }
-
-    /// The surfaces of the faces at a chain. How far a free edge is from its wall is of no importance.
-    pub(super) fn pair_of_faces(&self, left: usize, right: usize, touches: bool) -> Pair<'_> {
-        match (self.is_wall(left), self.is_wall(right)) {
-            (true, _) => self.pair(right, right, touches),
-            (_, true) => self.pair(left, left, touches),
-            _ => self.pair(left, right, touches),
-        }
     }
 }
 

@@ -14,6 +14,25 @@ pub(super) struct Border {
     pub is_closed: bool,
 }
 
+impl Border {
+    /// The parts of the border between vertices that are left out.
+    pub(super) fn without<T>(&self, left_out: &BTreeMap<u32, T>) -> Vec<Border> {
+        let is_out = |v: &u32| left_out.contains_key(v);
+        if !self.vertices.iter().any(is_out) {
+            return vec![self.clone()];
+        }
+        let mut vertices = self.vertices.clone();
+        if self.is_closed {
+            vertices.pop();
+            let first = vertices.iter().position(is_out).unwrap_or(0);
+            vertices.rotate_left(first);
+        }
+        let parts = vertices.split(is_out).filter(|part| part.len() > 1);
+        let part = |of: &[u32]| Border { vertices: of.to_vec(), is_closed: false, ..*self };
+        parts.map(part).collect()
+    }
+}
+
 impl Work<'_> {
     /// All borders between regions.
     pub(super) fn borders(&self) -> Vec<Border> {

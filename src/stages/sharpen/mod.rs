@@ -14,7 +14,10 @@ mod borders;
 mod constraints;
 mod labels;
 mod places;
+mod risers;
 mod surfaces;
+
+use places::Placed;
 
 use crate::geometry::{NONE, Point};
 use crate::mesh::{EdgeMap, Mesh, VertexRings};
@@ -38,12 +41,12 @@ pub struct Options {
     pub correlation: f64,
 }
 
-/// A place where an edge could not be made.
+/// Triangles that join surfaces which do not meet.
 #[derive(Debug, Clone)]
-pub struct LostPlace {
+pub struct Riser {
     /// The place, in the unit of the mesh.
     pub place: Point,
-    /// The number of triangles that lost their region.
+    /// The number of its triangles.
     pub triangles: usize,
     /// The reason.
     pub why: &'static str,
@@ -54,16 +57,16 @@ pub struct LostPlace {
 pub struct Sharpened {
     /// The mesh.
     pub mesh: Mesh,
-    /// For each of its triangles the triangle of the scan.
-    pub triangles: Vec<u32>,
     /// For each of its triangles the number of the surface.
     pub of_triangle: Vec<u32>,
+    /// For each of its triangles that has no surface the number of its facet, which rises.
+    pub facet_of: Vec<u32>,
     /// The surfaces. Constraints are met.
     pub surfaces: Vec<ScanSurface>,
     /// The number of pairs of surfaces that touch.
     pub touching: usize,
-    /// Where triangles lost their region.
-    pub lost: Vec<LostPlace>,
+    /// Where surfaces do not meet.
+    pub risers: Vec<Riser>,
 }
 
 /// The mesh with what all steps need.
@@ -100,12 +103,9 @@ pub fn sharpen(
     work.tidy();
     let fits = work.fitted();
     let touching = work.constrain(&fits);
-    let mut lost = Vec::new();
-    let placed = work.place(&touching, &mut lost);
-    let (mesh, triangles) = placed;
-    let of_triangle = triangles.iter().map(|&t| work.of[t as usize]).collect();
-    let touching = touching.len();
-    Sharpened { mesh, triangles, of_triangle, surfaces: work.surfaces, touching, lost }
+    let Placed { mesh, of, facet, risers } = work.place(&touching);
+    let (of_triangle, facet_of, touching) = (of, facet, touching.len());
+    Sharpened { mesh, of_triangle, facet_of, surfaces: work.surfaces, touching, risers }
 }
 
 impl Work<'_> {

@@ -1,13 +1,13 @@
 //! The places of the vertices on their surfaces.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{DMatrix, DVector};
 
 use super::borders::Border;
-use super::{LostPlace, Work};
+use super::{Riser, Work};
 use crate::geometry::{NONE, Point, Vector, VertexId};
-use crate::mesh::Mesh;
+use crate::mesh::{EdgeMap, Mesh, VertexRings, caps};
 use crate::primitives::Primitive;
 use crate::primitives::contact::{contact, crossing};
 
@@ -31,116 +31,150 @@ const RELAXATIONS: usize = 20;
 /// The direction of a border is that between vertices so many steps away: borders that go to and fro do so over two or three.
 const AHEAD: isize = 4;
 
-/// How often triangles may change or lose their region.
-const ROUNDS: usize = 8;
+/// The mesh with its vertices on their surfaces.
+pub(super) struct Placed {
+    pub mesh: Mesh,
+    /// For each triangle its surface, and [`NONE`] of a riser.
+    pub of: Vec<u32>,
+    /// For each triangle that has no surface the number of its facet.
+    pub facet: Vec<u32>,
+    pub risers: Vec<Riser>,
+}
+
+/// A triangle has no area if its height is below this share of its longest side, as its vertices are on their surfaces to [`ON`].
+const CAP: f64 = 1e-6;
+
+/// The most rounds of flips. Caps that lie side by side take one each.
+const FLIPS: usize = 16;
+
+/// A vertex that has no place on all of its surfaces.
+pub(super) struct Tear {
+    /// The reason.
+    pub why: &'static str,
+    /// The pairs of surfaces whose curve through the vertex is not the border.
+    pub apart: Vec<[u32; 2]>,
+}
+
+/// Where between two vertices their edge is compared with its curve.
+const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl Work<'_> {
-    /// Moves all vertices. Triangles at places where that fails lose their region. Returns the mesh with the numbers that its triangles
-    /// had.
-    pub(super) fn place(
-        &mut self,
-        touching: &BTreeSet<[u32; 2]>,
-        lost: &mut Vec<LostPlace>,
-    ) -> (Mesh, Vec<u32>) {
+    /// Moves all vertices. Where surfaces around a vertex have no common point, each keeps a vertex of its own, and risers join
+    /// them.
+    pub(super) fn place(&self, touching: &BTreeSet<[u32; 2]>) -> Placed {
+        let (points, torn) = self.move_all(touching);
+        let opened = self.opened(touching, &torn, points);
+        let whole = Work {
+            mesh: &opened.mesh,
+            edges: EdgeMap::new(&opened.mesh),
+            rings: VertexRings::new(&opened.mesh),
+            edge: self.edge,
+            noise: self.noise,
+            correlation: self.correlation,
+            surfaces: self.surfaces.clone(),
+            of: opened.of,
+        };
+        let mut points = opened.mesh.points.clone();
+        whole.relax(&mut points);
+        let mesh = Mesh { points, triangles: opened.mesh.triangles.clone() };
+        let (mut mesh, kept) = joined(mesh, ON * self.edge);
+        let mut of: Vec<u32> = kept.iter().map(|&t| whole.of[t as usize]).collect();
+        self.flip_caps(&mut mesh, &mut of);
+        let facet = kept.iter().map(|&t| opened.facet[t as usize]).collect();
+        Placed { mesh, of, facet, risers: opened.risers }
+    }
+
+    /// The places of the vertices, and those that have none on all of their surfaces, with the reason.
+    fn move_all(&self, touching: &BTreeSet<[u32; 2]>) -> (Vec<Point>, BTreeMap<u32, Tear>) {
         let mut points = self.mesh.points.clone();
-        for round in 0..=ROUNDS {
-            points = self.mesh.points.clone();
-            let failed = self.move_all(touching, &mut points);
-            if failed.is_empty() {
+        let mut torn = BTreeMap::new();
+        for (v, at) in points.iter_mut().enumerate() {
+            match self.placed(&self.around(v as u32), touching, *at) {
+                Ok(place) => *at = place,
+                Err(why) => {
+                    torn.insert(v as u32, Tear { why, apart: Vec::new() });
+                }
+            }
+        }
+        for border in self.borders().iter().filter(|border| border.pair[1] != NONE) {
+            for part in border.without(&torn) {
+                self.put_in_order(&part, touching, &mut points);
+                for v in self.strays(&part, touching, &points) {
+                    let why = "its two surfaces do not meet along a curve there";
+                    let tear = || Tear { why, apart: Vec::new() };
+                    torn.entry(v).or_insert_with(tear).apart.push(border.pair);
+                }
+            }
+        }
+        for v in self.pinched(&points) {
+            let around = self.around(v);
+            let pairs = around.iter().flat_map(|&a| around.iter().map(move |&b| [a, b]));
+            let apart = pairs.filter(|pair| pair[0] < pair[1]).collect();
+            torn.insert(v, Tear { why: "a region beside it has no width there", apart });
+        }
+        (points, torn)
+    }
+
+    /// Flips triangles without area, which lie on the curve between two surfaces.
+    fn flip_caps(&self, mesh: &mut Mesh, of: &mut [u32]) {
+        for _ in 0..FLIPS {
+            let points = mesh.points.clone();
+            let corners = mesh.triangles.clone();
+            // A cap on a border belongs to both surfaces.
+            let is_on = |v: &VertexId, region: u32| {
+                self.surface(region).distance(points[v.index()]).0.abs() <= ON * self.edge
+            };
+            let may = |t: usize, o: usize| {
+                of[o] != NONE && of[t] != NONE && corners[t].iter().all(|v| is_on(v, of[o]))
+            };
+            let (flipped, _) = caps::round(mesh, &EdgeMap::new(mesh), CAP, may);
+            if flipped.is_empty() {
                 break;
             }
-            for (v, why) in failed {
-                if round < ROUNDS && self.relabel(v, touching) {
-                    continue;
-                }
-                let mut count = 0;
-                for &t in self.rings.triangles(VertexId(v)) {
-                    count += usize::from(self.of[t as usize] != NONE);
-                    self.of[t as usize] = NONE;
-                }
-                if count > 0 {
-                    lost.push(LostPlace {
-                        place: self.mesh.points[v as usize],
-                        triangles: count,
-                        why,
-                    });
+            flipped.into_iter().for_each(|[t, o]| of[t] = of[o]);
+        }
+    }
+
+    /// The vertices of edges without a length that cannot become a point.
+    fn pinched(&self, points: &[Point]) -> Vec<u32> {
+        let mut found = Vec::new();
+        for side in 0..3 * self.of.len() {
+            let (a, b) = self.mesh.side(side);
+            let apart = (points[a.index()] - points[b.index()]).norm();
+            if a < b && apart <= ON * self.edge {
+                let of_b: Vec<VertexId> = self.rings.neighbours(self.mesh, b).collect();
+                let common = || self.rings.neighbours(self.mesh, a).filter(|v| of_b.contains(v));
+                let is_thin = |v: VertexId| self.rings.triangles(v).len() <= 3;
+                if common().count() != 2 || common().any(is_thin) {
+                    found.extend([a.0, b.0]);
                 }
             }
         }
-        self.relax(&mut points);
-        let mesh = Mesh { points, triangles: self.mesh.triangles.clone() };
-        joined(mesh, ON * self.edge)
+        found
     }
 
-    /// Moves the vertices. Returns those that have no place, with the reason.
-    fn move_all(
+    /// The vertices of a border between which its curve runs elsewhere.
+    fn strays(
         &self,
+        border: &Border,
         touching: &BTreeSet<[u32; 2]>,
-        points: &mut [Point],
-    ) -> Vec<(u32, &'static str)> {
-        let mut failed = Vec::new();
-        for v in 0..points.len() as u32 {
-            let regions = self.around(v);
-            let start = self.mesh.points[v as usize];
-            let at = match self.placed(&regions, touching, start) {
-                Ok(at) => at,
-                Err(why) => {
-                    failed.push((v, why));
-                    continue;
-                }
-            };
-            points[v as usize] = at;
-        }
-        if failed.is_empty() {
-            for border in self.borders() {
-                if border.pair[1] != NONE {
-                    self.put_in_order(&border, touching, points);
-                }
-            }
-        }
-        failed
-    }
-
-    /// Gives the triangles of one region around a vertex to another one close by, so that the vertex has a place. Of all ways
-    /// the likeliest is taken.
-    fn relabel(&mut self, v: u32, touching: &BTreeSet<[u32; 2]>) -> bool {
-        let ring: Vec<u32> = self.rings.triangles(VertexId(v)).to_vec();
-        let own = self.around(v);
-        let mut near: Vec<u32> = ring
-            .iter()
-            .flat_map(|&t| self.mesh.triangles[t as usize])
-            .flat_map(|w| self.around(w.0))
-            .collect();
-        near.sort_unstable();
-        near.dedup();
-        let start = self.mesh.points[v as usize];
-        let mut best: Option<(f64, u32, u32)> = None;
-        for &from in &own {
-            for &to in near.iter().filter(|&&to| to != from) {
-                let mut after: Vec<u32> = own.iter().copied().filter(|&r| r != from).collect();
-                after.push(to);
-                after.sort_unstable();
-                after.dedup();
-                if self.placed(&after, touching, start).is_err() {
-                    continue;
-                }
-                let lost = ring.iter().filter(|&&t| self.of[t as usize] == from);
-                let cost: f64 = lost
-                    .map(|&t| self.misfit(t as usize, to) - self.misfit(t as usize, from))
-                    .sum();
-                if best.is_none_or(|best| cost < best.0) {
-                    best = Some((cost, from, to));
-                }
-            }
-        }
-        let Some((_, from, to)) = best else { return false };
-        for &t in &ring {
-            let own = &mut self.of[t as usize];
-            if *own == from {
-                *own = to;
-            }
-        }
-        true
+        points: &[Point],
+    ) -> BTreeSet<u32> {
+        let [a, b] = border.pair;
+        let is_touching = self.is_touching(a, b, touching);
+        let (a, b) = (self.surface(a), self.surface(b));
+        let strays = border.vertices.windows(2).filter(|ends| {
+            let [p, q] = [ends[0], ends[1]].map(|v| points[v as usize]);
+            BETWEEN.iter().any(|share| {
+                let chord = p + *share * (q - p);
+                let at = on_two(a, b, is_touching, chord);
+                let off = a.distance(at).0.abs().max(b.distance(at).0.abs());
+                // The curve of an edge turns by less than half a circle.
+                let is_near = (at - chord).norm() <= 0.5 * (q - p).norm() + ON * self.edge;
+                !(is_near && off <= ON * self.edge)
+            })
+        });
+        strays.flatten().copied().collect()
     }
 
     /// Spreads the vertices inside of the regions evenly next to their borders, so that no triangle is turned over.
@@ -194,7 +228,7 @@ impl Work<'_> {
     }
 
     /// The point of some surfaces next to a point.
-    fn placed(
+    pub(super) fn placed(
         &self,
         regions: &[u32],
         touching: &BTreeSet<[u32; 2]>,
