@@ -128,7 +128,7 @@ mod tests {
     fn a_cap_on_the_boundary_goes() {
         let mut build = square_with_cap(false);
         let flat: Vec<_> =
-            build.mesh.triangles.iter().map(|&t| longest_if_flat(&build.mesh, t)).collect();
+            build.mesh.triangles.iter().map(|&t| longest_if_flat(&build.mesh, t, FLAT)).collect();
         assert_eq!(flat, [None, None, Some(0)]);
         assert!(flip(&mut build));
         assert!(build.mesh.triangles.iter().all(|&t| build.mesh.area_vector(t).z > 0.1));

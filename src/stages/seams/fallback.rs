@@ -6,9 +6,9 @@ use super::{FacePatch, Fallback, Work};
 use crate::geometry::sets::Sets;
 use crate::primitives::PrimitiveKind;
 
-/// A face loses triangles next to failing places so often, a strip each time. Then it is given up. With 3, a cylinder of 28,000 triangles of a
-/// real scan is lost; no part loses more from 10 on.
-const TRIES: u32 = 20;
+/// A face loses triangles next to failing places so often, a strip each time. Then it is given up: what fails again and again is wrong as a whole. With 3,
+/// a cylinder of 28,000 triangles of a real scan is lost.
+const TRIES: u32 = 6;
 
 /// Why patches do not become faces.
 #[derive(Debug, Clone)]

@@ -125,8 +125,16 @@ impl Work<'_> {
                 (ends[1] - ends[0]).norm() * middle.max(offs[0]).max(offs[1])
             };
             let area: f64 = parts.map(of).sum();
-            strips[chain.left] += area;
-            strips[chain.right] += area;
+            for side in [chain.left, chain.right] {
+                strips[side] += area;
+                if chain.arch.is_some() && self.is_bent(side) {
+                    // A parabola over a chord begins with a slope of four times its height by its length. Areas grow by half of
+                    // the slope's square.
+                    let long = (places[1] - places[0]).norm();
+                    let slope = 4.0 * off(nalgebra::center(&places[0], &places[1])) / long;
+                    strips[side] += 0.5 * slope * slope * self.patches[side].area(self.mesh);
+                }
+            }
         }
         strips
     }

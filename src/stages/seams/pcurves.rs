@@ -20,7 +20,11 @@ const ALONG: f64 = 1e-7;
 /// Places between the middle of a piece and its ends, where the gap is largest if it is zero in the middle.
 const BESIDE: [f64; 2] = [0.25, 0.75];
 
+/// A pcurve of an edge that is off its surface is compared at other places than those at which that was measured.
+const TWICE: f64 = 2.0;
+
 const FEWEST: usize = 33;
+const FEWEST_OF_ARCH: usize = 5;
 const MOST: usize = 1500;
 
 /// The pcurve of an edge between two parameter points, and its largest distance from the edge.
@@ -65,9 +69,15 @@ pub(super) fn pcurve(
         }
     }
     let mut t = curve.breaks();
-    if t.len() < FEWEST {
-        t = t_with(&t, FEWEST);
+    // A single polynomial is an arch, which turns little.
+    let fewest = if t.len() == 2 && curve.spline().is_some() { FEWEST_OF_ARCH } else { FEWEST };
+    if t.len() < fewest {
+        t = t_with(&t, fewest);
     }
+    // No pcurve comes closer to an edge than the surface does.
+    let of_surface = |t: &f64| (chart.point(chart.parameters(at(*t)).0) - at(*t)).norm();
+    let off = t.iter().map(of_surface).fold(0.0, f64::max);
+    let agrees = if off < AGREES { AGREES } else { TWICE * off };
     loop {
         let made = PCurve::Spline(through(&t, &parameters(&t), false)?);
         let middles: Vec<f64> = t.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
@@ -75,12 +85,12 @@ pub(super) fn pcurve(
         let beside = |pair: &[f64]| BESIDE.map(|w| pair[0] + w * (pair[1] - pair[0]));
         let quarters: Vec<f64> = t.windows(2).flat_map(beside).collect();
         let (worst, besides) = (gap(&made, &middles), gap(&made, &quarters));
-        if worst < AGREES && besides < EXACT || t.len() > MOST {
+        if worst < agrees && besides < EXACT.max(agrees) || t.len() > MOST {
             return Ok((made, worst));
         }
         let mut finer = vec![t[0]];
         for (pair, middle) in t.windows(2).zip(&middles) {
-            if gap(&made, &[*middle]) > 0.5 * AGREES || gap(&made, &beside(pair)) > AGREES {
+            if gap(&made, &[*middle]) > 0.5 * agrees || gap(&made, &beside(pair)) > agrees {
                 finer.push(*middle);
             }
             finer.push(pair[1]);

@@ -46,6 +46,45 @@ impl Work<'_> {
             }
             self.smooth();
         }
+        for _ in 0..SWEEPS {
+            if !self.part_pinches() {
+                break;
+            }
+        }
+    }
+
+    /// Gives triangles at vertices where a region touches itself to the region beside them, so that no border touches itself. Returns
+    /// whether there were some.
+    fn part_pinches(&mut self) -> bool {
+        let mut is_any = false;
+        for v in 0..self.mesh.points.len() as u32 {
+            let sectors = self.sectors(&self.fan(v));
+            let regions: Vec<u32> = sectors.iter().map(|of| of.0).collect();
+            let n = regions.len();
+            if n < 4 || repeats(&regions) == 0 {
+                continue;
+            }
+            let mut best: Option<(f64, usize, u32)> = None;
+            for (k, (own, sides)) in sectors.iter().enumerate().filter(|(_, of)| of.0 != NONE) {
+                for to in [regions[(k + n - 1) % n], regions[(k + 1) % n]] {
+                    let mut after = regions.clone();
+                    after[k] = to;
+                    if to == NONE || repeats(&after) >= repeats(&regions) {
+                        continue;
+                    }
+                    let triangles = sides.iter().map(|side| side / 3);
+                    let cost = triangles.map(|t| self.misfit(t, to) - self.misfit(t, *own)).sum();
+                    if best.is_none_or(|best| cost < best.0) {
+                        best = Some((cost, k, to));
+                    }
+                }
+            }
+            if let Some((_, k, to)) = best {
+                sectors[k].1.iter().for_each(|side| self.of[side / 3] = to);
+                is_any = true;
+            }
+        }
+        is_any
     }
 
     fn beside(&self, t: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
@@ -210,6 +249,17 @@ impl Work<'_> {
             }
         }
     }
+}
+
+/// How often regions occur again around a vertex, apart from what follows itself.
+fn repeats(around: &[u32]) -> usize {
+    let n = around.len();
+    let starts = (0..n).filter(|&k| around[k] != around[(k + n - 1) % n]);
+    let mut found: Vec<u32> = starts.map(|k| around[k]).collect();
+    let all = found.len();
+    found.sort_unstable();
+    found.dedup();
+    all - found.len()
 }
 
 /// How far a point is from where two surfaces cross or touch, at most [`FARTHEST`] edges.

@@ -204,7 +204,7 @@ impl Work<'_> {
     }
 
     /// The sides that begin at a vertex, counterclockwise.
-    fn fan(&self, v: u32) -> Vec<usize> {
+    pub(super) fn fan(&self, v: u32) -> Vec<usize> {
         let ring = self.rings.triangles(VertexId(v));
         let starts =
             |t: u32| (3 * t as usize..3 * t as usize + 3).find(|&s| self.mesh.side(s).0.0 == v);
@@ -222,7 +222,7 @@ impl Work<'_> {
     }
 
     /// The regions around a vertex with their sides, counterclockwise.
-    fn sectors(&self, sides: &[usize]) -> Vec<(u32, Vec<usize>)> {
+    pub(super) fn sectors(&self, sides: &[usize]) -> Vec<(u32, Vec<usize>)> {
         let region = |side: usize| self.of[side / 3];
         let n = sides.len();
         let first =
