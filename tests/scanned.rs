@@ -128,6 +128,44 @@ fn a_scanned_block_with_a_bore_becomes_exact() {
 }
 
 #[test]
+fn a_step_that_is_lower_than_an_edge_of_the_scan_is_closed_by_risers() {
+    // The ring between the cylinders has no vertex of its own.
+    let field = |p: Vector3<f64>| {
+        let turned = |radius: f64, low: f64, high: f64| {
+            (p.x.hypot(p.y) - radius).max(low - p.z).max(p.z - high)
+        };
+        turned(6.0, -8.1, 8.1).min(turned(6.9, -8.1, 0.3))
+    };
+    let noise = 0.03;
+    let mut soup = scan(&field, 10.0, 0.7, noise);
+    let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
+    soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
+    let made = converted(&soup, SurfaceChoice::Auto);
+    assert_eq!(made.fallback, None);
+    let body = made.into_body().expect("one body");
+    body.brep.check().expect("a valid solid");
+    let exact = body.exact().expect("exact faces");
+    let radius = |surface: &Primitive| match *surface {
+        Primitive::Cylinder { radius, .. } => Some(radius),
+        _ => None,
+    };
+    let mut radii: Vec<f64> = exact.faces.iter().filter_map(|face| radius(&face.surface)).collect();
+    radii.sort_unstable_by(f64::total_cmp);
+    assert_eq!(radii.len(), 2, "{radii:?}");
+    for (radius, wanted) in radii.iter().zip([6.0, 6.9]) {
+        assert!((radius - wanted).abs() < 0.2 * noise, "{radii:?}");
+    }
+    assert!(exact.facets > 20 && exact.explained > 0.95, "{} {}", exact.facets, exact.explained);
+    assert!(exact.risers.iter().map(|riser| riser.triangles).sum::<usize>() >= exact.facets);
+    // The edges of the ring lie on the cylinders, and its facets are laid through them.
+    let splines = body.brep.surfaces.iter().filter(|surface| surface.spline().is_some()).count();
+    assert!(splines > 20, "{splines}");
+    let volume = body.brep.volume(ShellId(0));
+    let wanted = std::f64::consts::PI * (36.0 * 7.8 + 6.9 * 6.9 * 8.4);
+    assert!((volume / wanted - 1.0).abs() < 2e-3, "{volume} of {wanted}");
+}
+
+#[test]
 fn a_smooth_scan_keeps_its_splines() {
     let field = |p: Vector3<f64>| {
         p.norm() - 8.0 - 0.9 * (0.5 * p.x).sin() * (0.6 * p.y + 1.0).sin() * (0.4 * p.z + 2.0).sin()

@@ -336,13 +336,12 @@ impl Work<'_> {
                 let (a, b) = (corners[k].0, corners[(k + 1) % n].0);
                 [a, b] == [first, last] || [b, a] == [first, last]
             })?;
-            let whole = of.arch.clone().unwrap_or_else(|| Arch {
+            let mut arch = of.arch.clone().unwrap_or_else(|| Arch {
                 ends: [of.points[0], of.points[of.points.len() - 1]],
                 out: Vector::zeros(),
                 heights: Vec::new(),
             });
             // An arch runs like the chain did when it was raised.
-            let mut arch = whole;
             let start = network.junction_place(corners[k])?;
             if arch.ends[0] != start {
                 arch = arch.reversed();
@@ -398,5 +397,73 @@ impl FaceBuilder<'_> {
             return Err(format!("an edge is {gap:.1e} mm off its facet"));
         }
         Ok((EdgeUse { edge: EdgeId(chain), forward, pcurve }, gap))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CYLINDER: Primitive = Primitive::Cylinder {
+        origin: Point::new(0.0, 0.0, 0.0),
+        axis: Vector::new(0.0, 0.0, 1.0),
+        radius: 5.0,
+    };
+
+    fn on_cylinder(angle: f64, z: f64) -> Point {
+        Point::new(5.0 * angle.cos(), 5.0 * angle.sin(), z)
+    }
+
+    fn samples(curve: &BrepCurve) -> impl Iterator<Item = Point> + '_ {
+        let (start, end) = curve.range();
+        (0..=20).map(move |k| Point::from(curve.point(start + (end - start) * f64::from(k) / 20.0)))
+    }
+
+    #[test]
+    fn an_arch_lies_on_its_surface_and_so_do_its_parts() {
+        let ends = [on_cylinder(0.1, 0.0), on_cylinder(0.7, 1.0)];
+        let arch = Arch::on(&CYLINDER, ends).expect("an arch");
+        assert!(!arch.is_straight());
+        let middle = arch.point(0.4);
+        for ends in [ends, [ends[0], middle], [middle, ends[1]]] {
+            let curve = arch.curve(ends).expect("a curve");
+            assert_eq!(curve.ends().map(Point::from), ends);
+            assert!(samples(&curve).all(|p| CYLINDER.distance(p).0.abs() < EXACT));
+        }
+        let back = arch.clone().reversed();
+        assert!((back.point(0.6) - middle).norm() < 1e-14);
+    }
+
+    #[test]
+    fn an_edge_along_the_axis_is_straight() {
+        let ends = [on_cylinder(0.3, 0.0), on_cylinder(0.3, 2.0)];
+        let arch = Arch::on(&CYLINDER, ends).expect("an arch");
+        assert!(arch.is_straight());
+        assert!(Arch::on(&CYLINDER, [ends[0]; 2]).is_err());
+    }
+
+    #[test]
+    fn a_bent_facet_runs_through_its_edges() {
+        let far = Point::new(9.0, 1.0, 0.5);
+        let straight = |ends| Arch { ends, out: Vector::zeros(), heights: Vec::new() };
+        let [a, b, c] = [on_cylinder(0.0, 0.0), on_cylinder(0.4, 0.0), on_cylinder(0.4, 2.0)];
+        let d = on_cylinder(0.0, 2.0);
+        let arch = |ends| Arch::on(&CYLINDER, ends).expect("an arch");
+        let triangle = vec![arch([a, b]), straight([b, far]), straight([far, a])];
+        let quadrangle = vec![arch([a, b]), straight([b, c]), arch([c, d]), straight([d, a])];
+        for edges in [triangle, quadrangle] {
+            let corners = (0..edges.len() as u32).map(VertexId).collect();
+            let facet = BentFacet { corners, edges };
+            let surface = facet.surface().expect("a surface");
+            for (k, edge) in facet.edges.iter().enumerate() {
+                let [from, to] = [facet.corner(k), facet.corner(k + 1)];
+                for n in 0..=10 {
+                    let t = f64::from(n) / 10.0;
+                    let [u, v] = [0, 1].map(|d| from[d] + t * (to[d] - from[d]));
+                    let off = (Point::from(surface.point(u, v)) - edge.point(t)).norm();
+                    assert!(off < 1e-12, "edge {k} at {t}: {off}");
+                }
+            }
+        }
     }
 }

@@ -11,8 +11,9 @@ use crate::mesh::{EdgeMap, Mesh, VertexRings, caps};
 use crate::primitives::Primitive;
 use crate::primitives::contact::{contact, crossing};
 
-/// A vertex moves at most so many edges. The borders of regions are known better.
-const FARTHEST: f64 = 5.0;
+/// A vertex moves at most so many edges. No vertex of a scan lies on an edge of the part, so that borders are off by one or two. Surfaces that
+/// meet farther away than 3.5 do so at a small angle, and make spikes.
+const FARTHEST: f64 = 3.5;
 
 /// What is on its surfaces is off them by less than this share of an edge.
 const ON: f64 = 1e-8;

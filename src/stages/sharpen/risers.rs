@@ -32,6 +32,8 @@ struct Copies {
     of_side: BTreeMap<usize, u32>,
     /// The copies counterclockwise.
     all: Vec<u32>,
+    /// Those that lie on one surface only, with that.
+    alone: Vec<(u32, u32)>,
 }
 
 /// Copies that follow each other along a border on one of its surfaces.
@@ -60,9 +62,45 @@ impl Work<'_> {
         torn: &BTreeMap<u32, Tear>,
         mut points: Vec<Point>,
     ) -> OpenedMesh {
+        let copies = self.copies(touching, torn, &mut points);
+        let corner = |side: usize| {
+            let v = self.mesh.side(side).0;
+            let own = copies.get(&v.0).and_then(|of| of.of_side.get(&side));
+            VertexId(own.copied().unwrap_or(v.0))
+        };
+        let alone = copies.values().flat_map(|of| &of.alone).copied().collect();
+        for rail in self.rails(&corner) {
+            self.smooth_rail(&rail, &alone, &mut points);
+        }
+        let own = (0..self.of.len()).map(|t| [0, 1, 2].map(|k| corner(3 * t + k)));
+        let mut triangles: Vec<[VertexId; 3]> = own.collect();
+        let count = triangles.len();
+        let mut of = self.of.clone();
+        let mut facets = 0;
+        // Each triangle without a surface is a facet.
+        let mut facet: Vec<u32> = Vec::with_capacity(count);
+        for &region in &of {
+            facets += u32::from(region == NONE);
+            facet.push(facets);
+        }
+        for piece in self.pieces_of_risers(&copies, &corner, &points) {
+            facets += 1;
+            facet.extend(piece.iter().map(|_| facets));
+            triangles.extend(piece);
+        }
+        of.resize(triangles.len(), NONE);
+        let risers = self.connected(torn, &copies, &triangles[count..], &points);
+        OpenedMesh { mesh: Mesh { points, triangles }, of, facet, risers }
+    }
+
+    /// The copies of vertices that have no place. Their places are added to the points.
+    fn copies(
+        &self,
+        touching: &BTreeSet<[u32; 2]>,
+        torn: &BTreeMap<u32, Tear>,
+        points: &mut Vec<Point>,
+    ) -> BTreeMap<u32, Copies> {
         let mut copies: BTreeMap<u32, Copies> = BTreeMap::new();
-        // The copies that lie on one surface only.
-        let mut alone: BTreeMap<u32, u32> = BTreeMap::new();
         for (&v, tear) in torn {
             let sides = self.fan(v);
             if sides.len() != self.rings.triangles(VertexId(v)).len() {
@@ -77,6 +115,7 @@ impl Work<'_> {
                 all.push(points.len() as u32);
                 points.push(place);
             }
+            let mut alone = Vec::new();
             for (k, &copy) in all.iter().enumerate() {
                 let own = sectors.iter().zip(&parting.copy).filter(|of| *of.1 == k);
                 let own: BTreeSet<u32> = own.map(|of| of.0.0).filter(|&r| r != NONE).collect();
@@ -85,29 +124,25 @@ impl Work<'_> {
             let number = sectors.iter().zip(&parting.copy);
             let of_side = number.flat_map(|(of, &k)| of.1.iter().map(move |&side| (side, k)));
             let of_side = of_side.map(|(side, k)| (side, all[k])).collect();
-            copies.insert(v, Copies { of_side, all });
+            copies.insert(v, Copies { of_side, all, alone });
         }
-        let corner = |side: usize| {
-            let v = self.mesh.side(side).0;
-            let own = copies.get(&v.0).and_then(|of| of.of_side.get(&side));
-            VertexId(own.copied().unwrap_or(v.0))
-        };
-        for rail in self.rails(&corner) {
-            self.smooth_rail(&rail, &alone, &mut points);
-        }
-        let mut triangles: Vec<[VertexId; 3]> =
-            (0..self.of.len()).map(|t| [0, 1, 2].map(|k| corner(3 * t + k))).collect();
-        let mut of = self.of.clone();
-        let count = triangles.len();
-        // The second triangles of risers.
-        let mut seconds = BTreeSet::new();
+        copies
+    }
+
+    /// The triangles of risers, one or two for each edge of a border, and of the facets between risers.
+    fn pieces_of_risers(
+        &self,
+        copies: &BTreeMap<u32, Copies>,
+        corner: &impl Fn(usize) -> VertexId,
+        points: &[Point],
+    ) -> Vec<Vec<[VertexId; 3]>> {
         let after = |side: usize| 3 * (side / 3) + (side + 1) % 3;
-        for (v, own) in &copies {
-            let middle = &own.all;
-            for pair in middle[1..].windows(2).filter(|_| middle.len() > 2) {
-                triangles.push([middle[0], pair[0], pair[1]].map(VertexId));
-            }
-            for side in own.of_side.keys().copied() {
+        let mut pieces = Vec::new();
+        for (v, own) in copies {
+            let [first, others @ ..] = &own.all[..] else { continue };
+            let between = others.windows(2).map(|pair| [*first, pair[0], pair[1]].map(VertexId));
+            pieces.extend(between.map(|triangle| vec![triangle]));
+            for &side in own.of_side.keys() {
                 let Some(twin) = self.edges.across(side) else { continue };
                 let w = self.mesh.side(twin).0.0;
                 // A riser between two opened vertices is made once.
@@ -115,24 +150,11 @@ impl Work<'_> {
                     continue;
                 }
                 let around = [corner(after(twin)), corner(twin), corner(after(side)), corner(side)];
-                let made = riser(around, &points);
-                if made.len() == 2 {
-                    seconds.insert(triangles.len() + 1);
-                }
-                triangles.extend(made);
+                pieces.push(riser(around, points));
             }
         }
-        of.resize(triangles.len(), NONE);
-        let mut facets = 0;
-        let mut facet = Vec::with_capacity(of.len());
-        // Each triangle without a surface is a facet, and so is each piece of a riser.
-        for (t, &region) in of.iter().enumerate() {
-            let is_second = t > count && seconds.contains(&t);
-            facets += u32::from(region == NONE && !is_second);
-            facet.push(facets);
-        }
-        let made = self.connected(torn, &copies, &triangles[count..], &points);
-        OpenedMesh { mesh: Mesh { points, triangles }, of, facet, risers: made }
+        pieces.retain(|piece| !piece.is_empty());
+        pieces
     }
 
     /// The rails of all borders.
