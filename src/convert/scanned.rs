@@ -170,6 +170,7 @@ fn body(
         distances,
         tolerance: outlying(measured.points.len()) * noise,
         rounding: 0.0,
+        rounding_factor: 1.0,
         noise: Some(noise),
     };
     Ok(Ok(made.finished(options)))
