@@ -114,8 +114,15 @@ fn mesh(polygons: &Polygons) -> (Soup, Build) {
     (soup, build)
 }
 
+/// The bounds of the errors that the rounding of the numbers explains.
+fn errors(soup: &Soup, build: &Build) -> Vec<f64> {
+    FileRounding::of(&soup.points).errors(soup, build, 1.0 / build.mm)
+}
+
 fn patches(soup: &Soup, build: &Build) -> (Vec<f64>, Vec<FacePatch>) {
-    let errors = FileRounding::of(&soup.points).errors(soup, build, 1.0 / build.mm);
+    let errors = errors(soup, build);
+    let factor = regions::computed(&Tessellation::new(&build.mesh, &errors));
+    let errors: Vec<f64> = errors.iter().map(|error| factor * error).collect();
     let options = regions::Options { unit: build.mm, ..Default::default() };
     let found = regions::find(&Tessellation::new(&build.mesh, &errors), &options);
     let patches = found.regions.iter().map(|region| FacePatch {
@@ -203,6 +210,41 @@ fn simple_parts_become_exact() {
         let off = (volume(&brep) / true_volume - 1.0).abs();
         assert!(off < 1e-6, "{name}: the volume is {off:e} off");
         assert_valid(name, &brep, true_volume);
+    }
+}
+
+/// Corners that a program turned so many times and moved then, which rounded to 32 bits after each step.
+fn computed_in_32_bits(polygons: Polygons, times: usize, shift: f32) -> Polygons {
+    let (cos, sin) = (0.8f32, 0.6f32);
+    let turned = |[x, y]: [f32; 2]| [cos * x - sin * y, sin * x + cos * y];
+    let corner = |p: [f64; 3]| {
+        let mut p = p.map(|x| x as f32);
+        for k in 0..times {
+            let [a, b] = [k % 3, (k + 1) % 3];
+            [p[a], p[b]] = turned([p[a], p[b]]);
+        }
+        p.map(|x| f64::from(x + shift))
+    };
+    polygons.into_iter().map(|polygon| polygon.into_iter().map(corner).collect()).collect()
+}
+
+#[test]
+fn meshes_that_were_computed_in_32_bits_are_exact() {
+    let (ball_volume, ring_volume) = (4.0 / 3.0 * PI * 3375.0, 2.0 * PI * PI * 20.0 * 36.0);
+    for (name, polygons, kind, volume) in
+        [("ball", ball(15.0), Sphere, ball_volume), ("ring", torus(), Torus, ring_volume)]
+    {
+        for (times, shift) in [(0, 0.0), (2, 0.0), (12, 0.0), (12, 150.0)] {
+            let polygons = computed_in_32_bits(polygons.clone(), times, shift);
+            let (soup, build) = mesh(&polygons);
+            let errors = errors(&soup, &build);
+            let factor = regions::computed(&Tessellation::new(&build.mesh, &errors));
+            // A large shift is rounded more coarsely than what was computed before.
+            assert_eq!(factor > 1.0, times == 12 && shift == 0.0, "{name}, {times}: {factor}");
+            let (brep, report) = solid(&polygons);
+            assert_eq!(report.kinds(), [kind], "{name}, turned {times} times");
+            assert_valid(name, &brep, volume);
+        }
     }
 }
 

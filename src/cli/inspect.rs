@@ -191,9 +191,8 @@ fn exact_target(exact: &ExactEstimate) -> String {
     let all = plural(exact.kinds.len() + exact.facets, "face");
     let kinds = messages::kinds(counts.chain([("facet", exact.facets)]));
     let shape = exact.shape.map_or("body", TargetShape::word);
-    format!(
-        "a {shape} of {all}: {kinds}, as its vertices lie on them within the rounding of the file"
-    )
+    let near = messages::within_rounding(exact.rounding_factor);
+    format!("a {shape} of {all}: {kinds}, as its vertices lie on them {near}")
 }
 
 /// The number of holes, and of handles, that have a line of their own, so that the text fits on a screen.

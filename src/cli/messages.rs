@@ -184,7 +184,7 @@ const MOST_FALLBACKS: usize = 8;
 fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
     let why = match exact.noise {
         Some(noise) => format!("noise of {} explains how far the vertices are off them", mm(noise)),
-        None => "the vertices lie on them within the rounding of the file".into(),
+        None => format!("the vertices lie on them {}", within_rounding(exact.rounding_factor)),
     };
     progress.say(&format!("{of}surfaces: exact, as {why} (--surfaces spline to change)"));
     gaps::say(progress, of, exact);
@@ -225,6 +225,15 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
             if exact.facets == 1 { "1 face is a facet".into() } else { format!("{} faces are facets", grouped(exact.facets)) },
             100.0 * exact.explained
         ));
+    }
+}
+
+/// How near vertices are to exact faces.
+pub(crate) fn within_rounding(factor: f64) -> String {
+    if factor > 1.0 {
+        format!("within {factor:.0} times the rounding of the file, as if computed in 32 bits")
+    } else {
+        "within the rounding of the file".into()
     }
 }
 

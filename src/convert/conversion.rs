@@ -124,8 +124,11 @@ pub struct ExactFit {
     pub snaps: Vec<Snap>,
     /// The share of the area that is not facets.
     pub explained: f64,
-    /// The bound of the errors of the vertices in mm: the rounding of the file. 0 if the scan is noisy.
+    /// The bound of the errors of the vertices in mm: the rounding of the file, or of the program that computed them. 0 if
+    /// the scan is noisy.
     pub rounding: f64,
+    /// The factor by which `rounding` is larger than the rounding of the file. 1 for most files.
+    pub rounding_factor: f64,
     /// The standard deviation of the noise in mm, if the scan is noisy.
     pub noise: Option<f64>,
 }

@@ -13,7 +13,9 @@ use crate::error::Result;
 use crate::mesh::{Choice, Components, Mesh};
 use crate::noise::Terraces;
 use crate::primitives::PrimitiveKind;
-use crate::stages::regions::{self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation};
+use crate::stages::regions::{
+    self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation, VertexErrors,
+};
 use crate::stages::seams::{self, ClosedGap, FacePatch, SolidFault};
 use crate::words::plural;
 
@@ -41,7 +43,7 @@ const SAMPLED: usize = 2000;
 pub(super) fn is_noisy(scan: &Components, component: Choice) -> bool {
     let Some(sample) = scan.sampled(component, SAMPLED) else { return false };
     let errors = FileRounding::errors_of(&sample.points, scan.unit());
-    !is_clean(scan, component, &Tessellation::new(&sample, &errors))
+    !is_clean(scan, component, &Tessellation::new(&sample, &errors.bounds))
 }
 
 /// Whether the flat pairs of a mesh tell that it is clean. Where they tell nothing, an open mesh is a scan: of a grid whose
@@ -58,6 +60,8 @@ struct ExactComponent {
     input: InputReport,
     /// The bounds of the errors of the vertices.
     errors: Vec<f64>,
+    /// The factor by which they are larger than the rounding of the file.
+    factor: f64,
     regions: Regions,
 }
 
@@ -148,11 +152,16 @@ fn regions_of(
     options: &Options,
 ) -> Result<Option<ExactComponent>> {
     let (body, input) = input::whole_body(scan, component, shape, options)?;
-    let (mut mesh, unit) = (body.mesh, scan.unit());
-    let mut errors = FileRounding::errors_of(&mesh.points, unit);
-    if let Some((joined, numbers)) = mesh.without_short_edges(&errors) {
-        errors = numbers.into_iter().map(|v| errors[v]).collect();
-        mesh = joined;
+    let unit = scan.unit();
+    let VertexErrors { bounds, is_single } = FileRounding::errors_of(&body.mesh.points, unit);
+    let (mut mesh, mut errors) = joined(body.mesh, bounds);
+    let mut factor = 1.0;
+    if is_single {
+        factor = regions::computed(&Tessellation::new(&mesh, &errors));
+    }
+    if factor > 1.0 {
+        let larger = errors.iter().map(|error| factor * error);
+        (mesh, errors) = joined(mesh, larger.collect());
     }
     let measured = Tessellation::new(&mesh, &errors);
     if !is_clean(scan, component, &measured) {
@@ -168,7 +177,15 @@ fn regions_of(
     if regions.curved_share(&measured) < LEAST_CURVED && Terraces::of(&mesh).is_some() {
         return Ok(None);
     }
-    Ok(Some(ExactComponent { component, shape, mesh, input, errors, regions }))
+    Ok(Some(ExactComponent { component, shape, mesh, input, errors, factor, regions }))
+}
+
+/// The mesh without edges that are no longer than the errors of their ends.
+fn joined(mesh: Mesh, errors: Vec<f64>) -> (Mesh, Vec<f64>) {
+    match mesh.without_short_edges(&errors) {
+        Some((joined, numbers)) => (joined, numbers.into_iter().map(|v| errors[v]).collect()),
+        None => (mesh, errors),
+    }
 }
 
 /// Heights in steps are planes and facets, and few of them look curved by chance. Curved faces with more than this share
@@ -187,6 +204,8 @@ pub struct ExactEstimate {
     pub radii: Vec<f64>,
     /// What a conversion makes of them.
     pub shape: Option<TargetShape>,
+    /// Within how many times the rounding of the file the vertices lie on them.
+    pub rounding_factor: f64,
 }
 
 /// The exact faces of a component, if it is clean and they are significant.
@@ -206,7 +225,13 @@ pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<Ex
             cylinders.filter_map(|of| of.surface.radius()).map(|r| scan.mm() * r).collect();
         radii.sort_by(|a, b| b.total_cmp(a));
         let kinds = faces.into_iter().map(|region| region.surface.kind()).collect();
-        ExactEstimate { kinds, facets: facets.len(), radii, shape: Some(found.shape) }
+        ExactEstimate {
+            kinds,
+            facets: facets.len(),
+            radii,
+            shape: Some(found.shape),
+            rounding_factor: found.factor,
+        }
     }))
 }
 
@@ -260,7 +285,7 @@ fn body(
     options: &Options,
     watch: &mut Observer,
 ) -> Result<std::result::Result<Body, String>> {
-    let ExactComponent { shape, mesh, input, errors, regions, .. } = found;
+    let ExactComponent { shape, mesh, input, errors, factor, regions, .. } = found;
     let mm = scan.mm();
     // Vertices are found by their coordinates in the unit of the mesh.
     let vertices = scan.vertices_of(&mesh.points);
@@ -314,6 +339,7 @@ fn body(
         distances,
         tolerance: regions::MOST_ERRORS * rounding,
         rounding,
+        rounding_factor: factor,
         noise: None,
     };
     Ok(Ok(made.finished(options)))

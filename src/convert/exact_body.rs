@@ -35,6 +35,8 @@ pub(super) struct ExactBody {
     pub tolerance: f64,
     /// The bound of the errors of the vertices of a clean mesh.
     pub rounding: f64,
+    /// The factor by which it is larger than the rounding of the file.
+    pub rounding_factor: f64,
     /// The standard deviation of the noise of a scan.
     pub noise: Option<f64>,
 }
@@ -78,6 +80,7 @@ impl ExactBody {
                 snaps: self.snaps,
                 explained: distances.explained,
                 rounding: self.rounding,
+                rounding_factor: self.rounding_factor,
                 noise: self.noise,
             })),
         }

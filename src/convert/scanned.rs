@@ -184,6 +184,7 @@ fn body(
         distances,
         tolerance: outlying(measured.points.len()) * noise,
         rounding: 0.0,
+        rounding_factor: 1.0,
         noise: Some(noise),
     };
     Ok(Ok(made_body.finished(options)))

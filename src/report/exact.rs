@@ -22,6 +22,9 @@ pub struct ExactFigures {
     /// The bound of the errors of the vertices: the rounding of the file. Two values of the part are the same if they
     /// differ by twice as much at the most, and two directions if lines of the length of the part do.
     pub rounding_mm: f64,
+    /// The factor by which it is larger than the rounding of the file, as programs leave it that compute in 32 bits. 1 for
+    /// most files.
+    pub rounding_factor: f64,
     /// Bores and shafts: cylinders, one for each axis and radius, the widest first.
     pub cylinders: Vec<CylinderFigures>,
     /// Cylinders of equal radius, on one axis, and with parallel and perpendicular axes.
@@ -148,6 +151,7 @@ impl ExactFigures {
         ExactFigures {
             explained_pct: 100.0 * fit.explained,
             rounding_mm: fit.rounding,
+            rounding_factor: fit.rounding_factor,
             relations: relations::relations(&cylinders, fit.rounding, fit.mesh.diagonal()),
             cylinders,
             snaps: fit.snaps.iter().map(|snap| SnapFigures::of(snap, fit.mm)).collect(),

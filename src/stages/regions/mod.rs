@@ -15,6 +15,7 @@
 mod borders;
 mod coincidences;
 mod competition;
+mod computed;
 mod corners;
 mod exact;
 mod facets;
@@ -36,11 +37,12 @@ mod tessellation;
 mod tests;
 mod tori;
 
+pub use computed::computed;
 pub use precision::FlatPairs;
 pub use prisms::Prism;
 pub(crate) use result::MOST_OF_IT;
 pub use result::{FaceRegion, RegionOrigin, Regions};
-pub use rounding::FileRounding;
+pub use rounding::{FileRounding, VertexErrors};
 pub use scanned::{ScanNoise, find_scanned};
 pub use snap::{Snap, SnapKind};
 pub(crate) use tessellation::MOST_ERRORS;

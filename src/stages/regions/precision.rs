@@ -26,19 +26,24 @@ const FEWEST_PAIRS: usize = 3;
 impl FlatPairs {
     /// Counts the pairs of a mesh.
     pub fn of(mesh: &Tessellation) -> Self {
+        FlatPairs::within(mesh, 1.0)
+    }
+
+    /// The same with errors that are so many times as large.
+    pub(super) fn within(mesh: &Tessellation, factor: f64) -> Self {
         (0..mesh.areas.len() as u32).fold(FlatPairs::default(), |mut pairs, t| {
-            pairs.add(mesh, t);
+            pairs.add(mesh, factor, t);
             pairs
         })
     }
 
     /// Adds the pairs of a triangle with its later neighbours.
-    pub(super) fn add(&mut self, mesh: &Tessellation, t: u32) {
+    fn add(&mut self, mesh: &Tessellation, factor: f64, t: u32) {
         for (other, side) in mesh.across(t).filter(|&(other, _)| other > t) {
             if mesh.normals[t as usize].dot(&mesh.normals[other as usize]) < LEAST_COSINE {
                 continue;
             }
-            match bend(mesh, t, other, side) {
+            match bend(mesh, factor, t, other, side) {
                 Some(z) if z <= 1.0 => self.exact += 1,
                 Some(z) if z <= NEAR => self.near += 1,
                 _ => {}
@@ -54,7 +59,7 @@ impl FlatPairs {
 
 /// How far the four vertices of a pair are from a plane, in units of the bound that their errors set. `None` if the triangles are
 /// so small that any turn short of a crease is nearly flat: such a pair tells nothing.
-fn bend(mesh: &Tessellation, t: u32, other: u32, side: usize) -> Option<f64> {
+fn bend(mesh: &Tessellation, factor: f64, t: u32, other: u32, side: usize) -> Option<f64> {
     let [a, b] = mesh.ends(side);
     let opposite = |t: u32| mesh.corners(t).into_iter().find(|&v| v != a && v != b);
     let corners = [a, b, opposite(t)?, opposite(other)?];
@@ -62,7 +67,7 @@ fn bend(mesh: &Tessellation, t: u32, other: u32, side: usize) -> Option<f64> {
     let volume = (q - p).cross(&(r - p)).dot(&(s - p)).abs();
     let faces = [[q, r, s], [p, r, s], [p, q, s], [p, q, r]];
     let weights = faces.map(|[x, y, z]| (y - x).cross(&(z - x)).norm());
-    let bound: f64 = corners.iter().zip(weights).map(|(&v, w)| mesh.error(v) * w).sum();
+    let bound: f64 = corners.iter().zip(weights).map(|(&v, w)| factor * mesh.error(v) * w).sum();
     // Two triangles that turn by an angle span a volume of this height times its sine.
     let edge = (q - p).norm();
     let most =

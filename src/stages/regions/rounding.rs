@@ -39,6 +39,15 @@ pub struct FileRounding {
     pub decimals: Vec<(i32, i32)>,
 }
 
+/// How exactly the numbers of a file state the vertices of a mesh.
+#[derive(Debug, Clone)]
+pub struct VertexErrors {
+    /// The bound of the error of each vertex, in the mesh's unit.
+    pub bounds: Vec<f64>,
+    /// Whether every number is one of 32 bits, or was one.
+    pub is_single: bool,
+}
+
 impl FileRounding {
     /// Finds the steps from the numbers of a file.
     pub fn of(points: &[[f64; 3]]) -> Self {
@@ -91,13 +100,13 @@ impl FileRounding {
         build.place.iter().map(|&place| by_place[place as usize]).collect()
     }
 
-    /// The bounds of the errors of the vertices of a mesh whose numbers are those of its file times `unit`, in the
-    /// mesh's unit.
-    pub(crate) fn errors_of(points: &[Point], unit: f64) -> Vec<f64> {
+    /// The errors of the vertices of a mesh whose numbers are those of its file times `unit`.
+    pub(crate) fn errors_of(points: &[Point], unit: f64) -> VertexErrors {
         let numbers: Vec<[f64; 3]> = points.iter().map(|p| (p / unit).into()).collect();
         let [low, high] = bounds(points.iter().copied());
         let (rounding, diagonal) = (FileRounding::of(&numbers), (high - low).norm() / unit);
-        numbers.into_iter().map(|p| unit * rounding.error(p, diagonal)).collect()
+        let bounds = numbers.into_iter().map(|p| unit * rounding.error(p, diagonal)).collect();
+        VertexErrors { bounds, is_single: rounding.is_single }
     }
 
     /// In words, for reports.

@@ -135,6 +135,27 @@ impl<'a> SeedSearch<'a> {
         found
     }
 
+    /// The regions of seeds that are spread over the facets, `most` of them if their growths are short.
+    pub(super) fn sounded(mut self, most: usize) -> Vec<FoundRegion> {
+        let seeds = self.order();
+        let mut found = Vec::new();
+        let mut left = most;
+        for seed in seeds.iter().copied().step_by(seeds.len().div_ceil(most).max(1)) {
+            if !self.pool[seed as usize] || left == 0 {
+                continue;
+            }
+            self.grown = 0;
+            match self.best_at(seed) {
+                Some(best) => {
+                    best.growth.units.iter().for_each(|&f| self.pool[f as usize] = false);
+                    found.push(best);
+                }
+                None => left = left.saturating_sub(1 + self.grown / SEED_WORK),
+            }
+        }
+        found
+    }
+
     /// The best region that holds a seed.
     fn best_at(&mut self, seed: u32) -> Option<FoundRegion> {
         let mut best: Vec<FoundRegion> = Vec::new();

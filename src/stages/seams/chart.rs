@@ -38,8 +38,9 @@ impl Chart {
         Ok(Chart::in_frame(surface, frame))
     }
 
+    /// The surface in a frame whose origin is anywhere on its axis.
     fn in_frame(surface: &Primitive, frame: Frame) -> Self {
-        let made = match *surface {
+        let made = match surface.centred_at(Point::from(frame.origin())) {
             Primitive::Plane { .. } => BrepSurface::plane(frame),
             Primitive::Cylinder { radius, .. } => BrepSurface::cylinder(frame, radius),
             // Any place of the axis inside of the cone serves as its origin.
@@ -119,3 +120,25 @@ impl Chart {
 
 /// A point so close to the axis in mm has no angle about it: the modelling kernel's own precision.
 const ON_AXIS: f64 = 1e-7;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turned_cone_is_the_same_surface_whatever_place_of_its_axis_is_its_origin() {
+        let (axis, angle) = (Vector::new(0.6, 0.0, 0.8), 0.4);
+        for radius in [-3.0, 0.0, 2.0] {
+            let cone = Primitive::Cone { origin: Point::new(1.0, 2.0, 3.0), axis, radius, angle };
+            let chart = Chart::new(&cone, axis).expect("a frame");
+            for u in [0.0, 1.3] {
+                let turned = chart.turned(&cone, u);
+                for [v, w] in [[0.2, 1.0], [2.0, 4.0], [5.0, 0.5]] {
+                    let p = turned.point([v, w]);
+                    assert!(cone.distance(p).0.abs() < 1e-12, "{radius}, {u}: {cone:?}");
+                    assert!((turned.point(turned.parameters(p).0) - p).norm() < 1e-12);
+                }
+            }
+        }
+    }
+}

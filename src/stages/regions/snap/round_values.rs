@@ -82,7 +82,9 @@ fn sphere(snapping: &mut Snapping, centre: Point, radius: f64, unit: f64, snaps:
 fn cone(snapping: &mut Snapping, unit: f64, snaps: &mut Vec<Snap>) {
     let Primitive::Cone { origin, axis, radius, angle } = snapping.surface else { return };
     let gate = 20.0 * snapping.direction_error;
-    if let Some(degrees) = round(angle.to_degrees(), gate.to_degrees(), 1.0) {
+    // A cone of no angle is no cone, however near to one it is.
+    let rounded = round(angle.to_degrees(), gate.to_degrees(), 1.0);
+    if let Some(degrees) = rounded.filter(|&degrees| degrees > 0.0 && degrees < 90.0) {
         let turned = Primitive::Cone { origin, axis, radius, angle: degrees.to_radians() };
         if let Some(surface) = snapping.refitted(turned, &[0, 1, 2, 3, 5]) {
             snapping.take(surface, SnapKind::Value, snaps);
@@ -111,5 +113,28 @@ fn cone(snapping: &mut Snapping, unit: f64, snaps: &mut Vec<Snap>) {
                 return;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Uv;
+    use crate::primitives::FitSample;
+
+    #[test]
+    fn a_steep_cone_is_not_rounded_to_one_without_an_angle() {
+        let (origin, axis, angle) = (Point::origin(), Vector::z(), 0.2f64.to_radians());
+        let surface = Primitive::Cone { origin, axis, radius: 5.0, angle };
+        // So short that its angle is not known.
+        let around = (0..12).map(|k| Uv::new(0.5 * f64::from(k), f64::from(k % 2)));
+        let sample = |uv| FitSample { at: surface.point_at(uv), error: 2e-3 };
+        let samples: Vec<FitSample> = around.map(sample).collect();
+        let (error, direction_error) = (2e-3, 2e-4);
+        let mut all = [Snapping { region: 0, surface, samples, error, direction_error }];
+        assert_eq!(round(0.2, (20.0 * direction_error).to_degrees(), 1.0), Some(0.0));
+        snap(&mut all, 1.0, &mut Vec::new());
+        let Primitive::Cone { angle, .. } = all[0].surface else { panic!("no cone") };
+        assert!(angle > 0.0);
     }
 }
