@@ -223,14 +223,12 @@ impl BentFacet {
         let degree = self.edges.iter().map(Arch::degree).max().unwrap_or(1);
         let n = degree + 1;
         let change = to_bezier(degree);
-        let mut poles = vec![[0.0; 3]; n * n];
-        for d in 0..3 {
-            let values = DMatrix::from_fn(n, n, |i, j| {
-                self.point(extremum(i, degree), extremum(j, degree))[d]
-            });
-            let net = &change * values * change.transpose();
-            (0..n * n).for_each(|at| poles[at][d] = net[(at / n, at % n)]);
-        }
+        let net = [0, 1, 2].map(|d| {
+            let value = |i, j| self.point(extremum(i, degree), extremum(j, degree))[d];
+            &change * DMatrix::from_fn(n, n, value) * change.transpose()
+        });
+        let pole = |at: usize| [0, 1, 2].map(|d| net[d][(at / n, at % n)]);
+        let poles = (0..n * n).map(pole).collect();
         let knots = || SplineKnots::new(degree, clamped(degree, 1.0), n);
         SplineSurface::new(knots()?, knots()?, poles, None)
     }

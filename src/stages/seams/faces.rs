@@ -73,14 +73,14 @@ struct FaceLoops {
 }
 
 /// Why a face has no loops, and the uses at the place if it is known.
-struct LoopFault {
+struct UnclosedLoops {
     why: String,
     uses: Vec<ChainUse>,
 }
 
-impl From<String> for LoopFault {
+impl From<String> for UnclosedLoops {
     fn from(why: String) -> Self {
-        LoopFault { why, uses: Vec::new() }
+        UnclosedLoops { why, uses: Vec::new() }
     }
 }
 
@@ -125,7 +125,7 @@ impl FaceBuilder<'_> {
             })
             .collect();
         let made = self.loops(plan, &natural);
-        let made = made.map_err(|LoopFault { why, uses }| {
+        let made = made.map_err(|UnclosedLoops { why, uses }| {
             let chains = uses.iter().map(|of| &self.network.chains[of.0]);
             let vertices: Vec<u32> = chains.flat_map(|of| of.mesh_vertices.clone()).collect();
             SeamFault::near(&[i], &vertices, why)
@@ -171,7 +171,7 @@ impl FaceBuilder<'_> {
         &mut self,
         plan: &FacePlan,
         natural: &[Vec<ChainUse>],
-    ) -> Result<Vec<FaceLoops>, LoopFault> {
+    ) -> Result<Vec<FaceLoops>, UnclosedLoops> {
         let chart = &plan.chart;
         let perimeter = Perimeter::of(&chart.surface, plan.v);
         let mut seams = FaceSeams {
@@ -218,7 +218,7 @@ impl FaceBuilder<'_> {
                     LoopPart::Seam(_) => Vec::new(),
                 });
                 let why = "a hole that is not in its face".into();
-                return Err(LoopFault { why, uses: uses.collect() });
+                return Err(UnclosedLoops { why, uses: uses.collect() });
             }
             let uses = self.ring(&mut seams, ring)?;
             made[home.unwrap_or(0)].loops.push(uses);
