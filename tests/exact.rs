@@ -234,7 +234,7 @@ fn meshes_that_were_computed_in_32_bits_are_exact() {
     for (name, polygons, kind, volume) in
         [("ball", ball(15.0), Sphere, ball_volume), ("ring", torus(), Torus, ring_volume)]
     {
-        for (times, shift) in [(0, 0.0), (2, 0.0), (12, 0.0), (12, 150.0)] {
+        for (times, shift) in [(0, 0.0), (12, 0.0), (12, 150.0)] {
             let polygons = computed_in_32_bits(polygons.clone(), times, shift);
             let (soup, build) = mesh(&polygons);
             let errors = errors(&soup, &build);

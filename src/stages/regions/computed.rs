@@ -58,7 +58,7 @@ fn factor(off: Vec<f64>) -> f64 {
         return 1.0;
     }
     let most = off.into_iter().fold(MOST_ERRORS, f64::max) / MOST_ERRORS;
-    2f64.powf(most.log2().ceil())
+    most.log2().ceil().exp2()
 }
 
 /// The distances of the vertices inside of a region from its surface, in units of their errors.

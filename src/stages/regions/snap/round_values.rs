@@ -1,5 +1,7 @@
 //! Offsets, centres, radii and angles at round numbers.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::lines::at;
 use super::{Snap, SnapKind, Snapping};
 use crate::geometry::{Point, Vector};
@@ -83,9 +85,9 @@ fn cone(snapping: &mut Snapping, unit: f64, snaps: &mut Vec<Snap>) {
     let Primitive::Cone { origin, axis, radius, angle } = snapping.surface else { return };
     let gate = 20.0 * snapping.direction_error;
     // A cone of no angle is no cone, however near to one it is.
-    let rounded = round(angle.to_degrees(), gate.to_degrees(), 1.0);
-    if let Some(degrees) = rounded.filter(|&degrees| degrees > 0.0 && degrees < 90.0) {
-        let turned = Primitive::Cone { origin, axis, radius, angle: degrees.to_radians() };
+    let rounded = round(angle.to_degrees(), gate.to_degrees(), 1.0).map(f64::to_radians);
+    if let Some(angle) = rounded.filter(|&angle| angle > 0.0 && angle < FRAC_PI_2) {
+        let turned = Primitive::Cone { origin, axis, radius, angle };
         if let Some(surface) = snapping.refitted(turned, &[0, 1, 2, 3, 5]) {
             snapping.take(surface, SnapKind::Value, snaps);
         }
