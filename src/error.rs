@@ -35,6 +35,14 @@ pub enum Error {
         /// Why.
         error: Box<Error>,
     },
+    /// Neither the exact faces that were found nor B-spline faces make a body.
+    #[error("{error} (it was to get B-spline faces, as {why})")]
+    Splines {
+        /// Why there are no exact faces.
+        why: String,
+        /// Why there are no B-spline faces.
+        error: Box<Error>,
+    },
     /// No triangle is left once unusable ones are dropped.
     #[error("no usable triangle: {0}")]
     Empty(String),
@@ -337,6 +345,15 @@ impl Error {
         }
     }
 
+    /// The same of B-spline faces that were made instead of exact ones.
+    pub(crate) fn instead_of_exact(self, why: Option<&String>) -> Self {
+        match (self, why) {
+            (Error::Stopped, _) => Error::Stopped,
+            (error, None) => error,
+            (error, Some(why)) => Error::Splines { why: why.clone(), error: Box::new(error) },
+        }
+    }
+
     /// The same with all lengths times a factor. Boundary representations are in mm anyway.
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         match &mut self {
@@ -361,7 +378,9 @@ impl Error {
     pub fn help(&self) -> String {
         match self {
             Error::File(e) => e.help.clone(),
-            Error::Scan { error, .. } | Error::Piece { error, .. } => error.help(),
+            Error::Scan { error, .. }
+            | Error::Piece { error, .. }
+            | Error::Splines { error, .. } => error.help(),
             Error::Empty(_) => {
                 "check the export: the scan must be a triangle mesh with finite coordinates".into()
             }

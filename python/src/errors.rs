@@ -54,7 +54,9 @@ fn exception(py: Python, failure: &Failure) -> PyResult<PyErr> {
 
 fn class(error: &Error) -> &'static str {
     match error {
-        Error::Scan { error, .. } | Error::Piece { error, .. } => class(error),
+        Error::Scan { error, .. } | Error::Piece { error, .. } | Error::Splines { error, .. } => {
+            class(error)
+        }
         Error::File(_) => "FileError",
         Error::Option { .. } | Error::Component { .. } | Error::Vertex { .. } => "OptionError",
         Error::NotOrientable | Error::NotADisk { .. } => "TopologyError",
@@ -69,7 +71,9 @@ fn class(error: &Error) -> &'static str {
 fn set_places(places: &Bound<PyDict>, error: &Error) -> PyResult<()> {
     let at = |p: &scan2step::geometry::Point| (p.x, p.y, p.z);
     match error {
-        Error::Scan { error, .. } | Error::Piece { error, .. } => set_places(places, error),
+        Error::Scan { error, .. } | Error::Piece { error, .. } | Error::Splines { error, .. } => {
+            set_places(places, error)
+        }
         Error::File(error) => {
             places.set_item("path", error.file.display().to_string())?;
             places.set_item("place", error.place.map(|place| place.to_string()))

@@ -40,7 +40,8 @@ pub(super) fn converted(
             Exact::Unsuited => {}
         }
     }
-    let mut made = with_splines(scan, options, watch)?;
+    let made = with_splines(scan, options, watch);
+    let mut made = made.map_err(|error| error.instead_of_exact(fallback.as_ref()))?;
     if let Some(body) = made.parts.iter_mut().flat_map(|part| &mut part.bodies).next() {
         body.hints.extend(exact::left_for_splines(scan, options)?);
         let as_splines = |why| format!("the faces are B-splines, as {why}");

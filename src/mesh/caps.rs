@@ -61,7 +61,9 @@ pub(crate) fn round(
         let (o, j) = (other / 3, other % 3);
         let facing = mesh.triangles[o];
         let d = facing[(j + 2) % 3];
-        let sound = flat[o].is_none() && facing[j] == q && d != r && may(t, o);
+        // Two caps back to back get sides outside in exchange, each shorter.
+        let is_fit = flat[o].is_none_or(|longest| longest == j);
+        let sound = is_fit && facing[j] == q && d != r && may(t, o);
         let news = sound && !rings.neighbours(mesh, r).any(|v| v == d);
         let apart = [t, o]
             .iter()

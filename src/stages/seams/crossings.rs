@@ -1,18 +1,19 @@
 //! Edges of a face that cross in its parameter plane, by the rule that modelling kernels check solids with.
 //!
 //! Two edges may cross beside a common vertex if they run along each other from there to the crossing, to twice the
-//! precision of the kernels. Everywhere else their pcurves have no point in common.
+//! precision of the kernels. Everywhere else their pcurves have no point in common. No pcurve crosses itself, and the loops of a
+//! face pass each vertex once but on seams: where they pass it twice, kernels cannot tell which way they go on.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use formats::Brep;
 use formats::brep::{BrepCurve, Edge, Face, PCurve};
 
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
-use super::pieces::{CurvePiece, are_near, pieces, place_of_lines};
+use super::pieces::{CurvePiece, are_near, pieces, place_of_lines, places_of_ends};
 use super::{EXACT, Work};
-use crate::geometry::{Point, segment_distance};
+use crate::geometry::{Point, Uv, segment_distance};
 use crate::mesh::Mesh;
 
 /// A crossing this close to a common vertex is the vertex, in mm.
@@ -59,23 +60,28 @@ pub(super) fn crossings(
 ) -> Vec<SeamFault> {
     let mut faults = Vec::new();
     for (i, face) in brep.faces.iter().enumerate() {
+        let vertices = |crossing: &Crossing| -> Vec<u32> {
+            let chains = crossing.edges.iter().filter_map(|&edge| network.chains.get(edge));
+            chains.flat_map(|chain| beside(work.mesh, chain, crossing.at)).collect()
+        };
         for crossing in crossed(brep, face) {
             let why = "a border that crosses itself";
-            let chains: Vec<&Chain> =
-                crossing.edges.iter().filter_map(|&edge| network.chains.get(edge)).collect();
-            let sides = chains.iter().flat_map(|chain| [chain.left, chain.right]);
+            let chains = crossing.edges.iter().filter_map(|&edge| network.chains.get(edge));
+            let sides = chains.flat_map(|chain| [chain.left, chain.right]);
             let patches: BTreeSet<usize> = sides.chain([patch_of[i]]).collect();
             let patches: Vec<usize> = patches.into_iter().collect();
-            let vertices: Vec<u32> =
-                chains.iter().flat_map(|chain| beside(work.mesh, chain, crossing.at)).collect();
-            faults.push(SeamFault::near(&patches, &vertices, why));
+            faults.push(SeamFault::near(&patches, &vertices(&crossing), why));
+        }
+        for place in passed_twice(brep, face) {
+            let why = "a border that touches itself";
+            faults.push(SeamFault::near(&[patch_of[i]], &vertices(&place), why));
         }
     }
     faults
 }
 
 /// The ends of the mesh edge of a chain that is closest to a place.
-fn beside(mesh: &Mesh, chain: &Chain, at: Point) -> Vec<u32> {
+pub(super) fn beside(mesh: &Mesh, chain: &Chain, at: Point) -> Vec<u32> {
     let off = |ends: &&[u32]| {
         let [a, b] = [ends[0], ends[1]].map(|v| mesh.points[v as usize]);
         segment_distance(at, a, b)
@@ -100,6 +106,29 @@ fn crossed(brep: &Brep, face: &Face) -> Vec<Crossing> {
             if let Some(at) = a.crossing(b, brep) {
                 found.push(Crossing { edges: [a.number, b.number], at });
             }
+        }
+        found.extend(a.own_crossing().map(|at| Crossing { edges: [a.number; 2], at }));
+    }
+    found
+}
+
+/// The vertices that the loops of a face pass more than once, each with the edges that begin there. Those on seams are passed twice.
+fn passed_twice(brep: &Brep, face: &Face) -> Vec<Crossing> {
+    let uses = || face.loops.iter().flatten();
+    let mut edges: Vec<usize> = uses().map(|of| of.edge.0).collect();
+    edges.sort_unstable();
+    let seams = edges.windows(2).filter(|pair| pair[0] == pair[1]);
+    let on_seams: BTreeSet<usize> =
+        seams.flat_map(|pair| brep.edges[pair[0]].ends.map(|end| end.0)).collect();
+    let mut first: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut found = Vec::new();
+    for of in uses() {
+        let vertex = brep.edges[of.edge.0].ends[usize::from(!of.forward)];
+        if let Some(before) = first.insert(vertex.0, of.edge.0)
+            && !on_seams.contains(&vertex.0)
+        {
+            let at = Point::from(brep.vertices[vertex.0]);
+            found.push(Crossing { edges: [before, of.edge.0], at });
         }
     }
     found
@@ -142,11 +171,49 @@ impl<'a> UsedEdge<'a> {
             if halves.len() + others.len() > 2 {
                 let pairs = halves.iter().flat_map(|a| others.iter().map(move |b| (*a, *b)));
                 left.extend(pairs.filter(|(a, b)| are_near(a, b)));
-            } else if let Some([s, t]) = place_of_lines(&a, &b, AT_END)
-                && !common.iter().any(|of| of.holds(self, other, [[s; 2], [t; 2]]))
-            {
+                continue;
+            }
+            let is_held = |[s, t]: &[f64; 2]| {
+                common.iter().any(|of| of.holds(self, other, [[*s; 2], [*t; 2]]))
+            };
+            let mut places =
+                place_of_lines(&a, &b, AT_END).into_iter().chain(places_of_ends(&a, &b));
+            if let Some([s, _]) = places.find(|place| !is_held(place)) {
                 return Some(self.at(s));
             }
+        }
+        None
+    }
+
+    /// A place where the pcurve turns back or crosses itself.
+    fn own_crossing(&self) -> Option<Point> {
+        if !matches!(self.pcurve, PCurve::Spline(_)) {
+            return None;
+        }
+        let within = |piece: &CurvePiece| {
+            let [start, end] = piece.range;
+            [0.0, 0.25, 0.5, 0.75].map(|share| start + share * (end - start))
+        };
+        let mut samples: Vec<f64> = self.pieces.iter().flat_map(within).collect();
+        samples.extend(self.pieces.last().map(|piece| piece.range[1]));
+        let points: Vec<Uv> = samples.iter().map(|&t| Uv::from(self.pcurve.point(t))).collect();
+        let turn = points.windows(3).position(|p| (p[1] - p[0]).dot(&(p[2] - p[1])) < 0.0);
+        if let Some(turn) = turn {
+            return Some(self.at(samples[turn + 1]));
+        }
+        let is_beside = |a: &CurvePiece, b: &CurvePiece| a.touches(b) || b.touches(a);
+        let pairs = self.pieces.iter().enumerate().flat_map(|(n, a)| {
+            self.pieces[n + 1..].iter().filter(|b| !is_beside(a, b)).map(move |b| (*a, *b))
+        });
+        let mut left: Vec<(CurvePiece, CurvePiece)> =
+            pairs.filter(|(a, b)| are_near(a, b)).collect();
+        while let Some((a, b)) = left.pop() {
+            let (halves, others) = (a.halves(self.pcurve), b.halves(self.pcurve));
+            if halves.len() + others.len() == 2 {
+                return Some(self.at(a.range[0]));
+            }
+            let pairs = halves.iter().flat_map(|a| others.iter().map(move |b| (*a, *b)));
+            left.extend(pairs.filter(|(a, b)| are_near(a, b)));
         }
         None
     }

@@ -135,6 +135,12 @@ impl Pair<'_> {
         samples(curve).map(|p| self.off(p)).fold(0.0, f64::max)
     }
 
+    /// Where a curve is farthest from its surfaces.
+    pub fn worst_place(&self, curve: &BrepCurve) -> Point {
+        let worst = samples(curve).max_by(|p, q| self.off(*p).total_cmp(&self.off(*q)));
+        worst.unwrap_or_default()
+    }
+
     /// The largest distance of a curve from those of its surfaces that are planes.
     pub fn off_planes(&self, curve: &BrepCurve) -> f64 {
         let is_plane = |of: &&Primitive| of.kind() == PrimitiveKind::Plane;
@@ -155,6 +161,7 @@ impl Pair<'_> {
             }
         }
         kept.push(last);
+        onwards(&mut kept);
         let mut rounds = 0;
         loop {
             rounds += 1;
@@ -180,6 +187,20 @@ impl Pair<'_> {
                 return Ok((BrepCurve::Spline(spline), worst));
             }
             kept = finer;
+        }
+    }
+}
+
+/// Drops points from which the next one lies back: a curve through them would have a cusp.
+fn onwards(points: &mut Vec<Point>) {
+    let mut k = 1;
+    while k + 1 < points.len() {
+        let [before, at, next] = [points[k - 1], points[k], points[k + 1]];
+        if (at - before).dot(&(next - at)) < 0.0 {
+            points.remove(k);
+            k = (k - 1).max(1);
+        } else {
+            k += 1;
         }
     }
 }

@@ -196,11 +196,22 @@ impl FaceBuilder<'_> {
         // A loop that only touches the perimeter may be a hole.
         let touching = outer.extract_if(.., |ring| area(&outline(ring)) <= 0.0);
         holes.extend(touching);
+        let by_size = |a: &&Vec<LoopPart>, b: &&Vec<LoopPart>| {
+            area(&outline(a)).abs().total_cmp(&area(&outline(b)).abs())
+        };
         if outer.is_empty() {
-            outer.push(perimeter.whole()?.into_iter().map(LoopPart::Seam).collect());
+            // The largest loop should be the outer one.
+            let uses = holes.iter().max_by(by_size).map(|ring| uses_of(ring)).unwrap_or_default();
+            let whole = perimeter.whole().map_err(|why| UnclosedLoops { why, uses })?;
+            outer.push(whole.into_iter().map(LoopPart::Seam).collect());
         }
         if outer.len() > 1 && !perimeter.is_cut {
-            return Err(format!("{} outer loops", outer.len()).into());
+            let why = format!("{} outer loops", outer.len());
+            // The others should be holes.
+            outer.sort_by(|a, b| by_size(&a, &b));
+            outer.pop();
+            let uses = outer.iter().flat_map(|ring| uses_of(ring)).collect();
+            return Err(UnclosedLoops { why, uses });
         }
         let mut made = Vec::new();
         for ring in outer {
@@ -210,15 +221,11 @@ impl FaceBuilder<'_> {
         let outlines: Vec<Vec<Uv>> = holes.iter().map(|ring| outline(ring)).collect();
         for (k, ring) in holes.iter().enumerate() {
             let start = outlines[k].first().copied().unwrap_or_default();
-            let home = made.iter().position(|face| is_inside(start, &face.outline));
+            let home = made.iter().position(|face| perimeter.holds(&face.outline, start));
             let is_in_hole = || (0..holes.len()).any(|j| j != k && is_inside(start, &outlines[j]));
-            if !perimeter.is_cut && (home.is_none() || is_in_hole()) {
-                let uses = ring.iter().flat_map(|part| match part {
-                    LoopPart::Run(run) => run.uses.clone(),
-                    LoopPart::Seam(_) => Vec::new(),
-                });
+            if home.is_none() || !perimeter.is_cut && is_in_hole() {
                 let why = "a hole that is not in its face".into();
-                return Err(UnclosedLoops { why, uses: uses.collect() });
+                return Err(UnclosedLoops { why, uses: uses_of(ring) });
             }
             let uses = self.ring(&mut seams, ring)?;
             made[home.unwrap_or(0)].loops.push(uses);
@@ -436,6 +443,15 @@ fn polyline(ends: [[f64; 2]; 2], range: [f64; 2]) -> Result<PCurve, String> {
     let inner = (0..=POLYLINE).map(|k| at(k, range));
     let knots = [range[0]].into_iter().chain(inner).chain([range[1]]).collect();
     SplineCurve::new(1, knots, poles, None).map(PCurve::Spline)
+}
+
+/// The chains of a loop.
+fn uses_of(ring: &[LoopPart]) -> Vec<ChainUse> {
+    let uses = ring.iter().flat_map(|part| match part {
+        LoopPart::Run(run) => run.uses.clone(),
+        LoopPart::Seam(_) => Vec::new(),
+    });
+    uses.collect()
 }
 
 /// The polygon of a loop.

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use formats::brep::BrepSurface;
 
 use super::chart::Chart;
-use crate::geometry::Point;
+use crate::geometry::{Point, Uv, is_inside};
 
 /// Places on a cut that are so close in their parameter are one: rounding of the angles.
 const SAME: f64 = 1e-9;
@@ -143,6 +143,16 @@ impl Perimeter {
         let moved = |k: usize| uv[k] - TAU * ((uv[k] - low[k]) / TAU).floor();
         let u = if self.is_cut { moved(0) } else { uv[0] };
         [u, if self.is_torus { moved(1) } else { uv[1] }]
+    }
+
+    /// Whether a polygon holds a place, whose parameters may be a period off.
+    pub fn holds(&self, polygon: &[Uv], place: Uv) -> bool {
+        let shifts = |is_periodic: bool| if is_periodic { &[0.0, -TAU, TAU][..] } else { &[0.0] };
+        shifts(self.is_cut).iter().any(|u| {
+            shifts(self.is_torus)
+                .iter()
+                .any(|v| is_inside(Uv::new(place.x + u, place.y + v), polygon))
+        })
     }
 
     /// Whether parameters are at a side that is a point.

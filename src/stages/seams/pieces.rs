@@ -45,6 +45,12 @@ impl CurvePiece {
         CurvePiece { range, ends, sagitta }
     }
 
+    /// Whether another piece begins where this one ends.
+    pub fn touches(&self, next: &CurvePiece) -> bool {
+        let off = |k: usize| next.ends[0][k] - self.ends[1][k];
+        off(0).hypot(off(1)) <= FINE
+    }
+
     /// Both halves, or the whole if it is straight or its range cannot be halved.
     pub fn halves(&self, pcurve: &PCurve) -> Vec<CurvePiece> {
         let [start, end] = self.range;
@@ -92,10 +98,30 @@ pub(super) fn place_of_lines(a: &CurvePiece, b: &CurvePiece, beyond: f64) -> Opt
     is_inside.then(|| [at(a, shares[0]), at(b, shares[1])])
 }
 
-fn to_segment(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+/// The parameters where an end of one piece touches the chord of the other one.
+pub(super) fn places_of_ends(a: &CurvePiece, b: &CurvePiece) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    for (ends_of, chord, is_turned) in [(a, b, false), (b, a, true)] {
+        for (end, t) in ends_of.ends.into_iter().zip(ends_of.range) {
+            if to_segment(end, chord.ends) <= FINE {
+                let [from, to] = chord.range;
+                let other = from + share_of_segment(end, chord.ends) * (to - from);
+                found.push(if is_turned { [other, t] } else { [t, other] });
+            }
+        }
+    }
+    found
+}
+
+fn to_segment(p: [f64; 2], ends: [[f64; 2]; 2]) -> f64 {
+    let ([a, b], share) = (ends, share_of_segment(p, ends));
+    let off = |k: usize| p[k] - a[k] - share * (b[k] - a[k]);
+    off(0).hypot(off(1))
+}
+
+/// How far along a segment the place next to a point is, from 0 to 1.
+fn share_of_segment(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
     let (d, e) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = d[0] * d[0] + d[1] * d[1];
-    let share =
-        if square > 0.0 { ((d[0] * e[0] + d[1] * e[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (e[0] - share * d[0]).hypot(e[1] - share * d[1])
+    if square > 0.0 { ((d[0] * e[0] + d[1] * e[1]) / square).clamp(0.0, 1.0) } else { 0.0 }
 }

@@ -4,7 +4,7 @@ use formats::Brep;
 use formats::brep::{BrepCurve, BrepElement, FaceId, ModelFault, Shell, VertexId};
 
 use super::chart::array;
-use super::crossings::crossings;
+use super::crossings::{beside, crossings};
 use super::domain::FacePlan;
 use super::faces::FaceBuilder;
 use super::fallback::SeamFault;
@@ -27,6 +27,18 @@ pub(super) struct BuiltShell {
     pub gap: f64,
     /// For each face its triangles and their surface.
     pub patches: Vec<FacePatch>,
+}
+
+/// Why a chain becomes no edge, and the place if it is known.
+struct EdgeFault {
+    why: String,
+    at: Option<Point>,
+}
+
+impl From<String> for EdgeFault {
+    fn from(why: String) -> Self {
+        EdgeFault { why, at: None }
+    }
 }
 
 /// Builds the shell of all patches.
@@ -193,10 +205,12 @@ impl Work<'_> {
                     let ends = network.chains[number].ends.unwrap_or_default();
                     brep.add_edge(curve, ends.map(VertexId));
                 }
-                Err(why) => {
+                Err(EdgeFault { why, at }) => {
                     let chain = &network.chains[number];
                     let sides = [chain.left, chain.right];
-                    faults.push(SeamFault::near(&sides, &chain.mesh_vertices, why));
+                    let near = at.map(|at| beside(self.mesh, chain, at));
+                    let vertices = near.unwrap_or_else(|| chain.mesh_vertices.clone());
+                    faults.push(SeamFault::near(&sides, &vertices, why));
                 }
             }
         }
@@ -210,7 +224,7 @@ impl Work<'_> {
         network: &mut ChainNetwork,
         number: usize,
         plans: &[FacePlan],
-    ) -> Result<(BrepCurve, f64), String> {
+    ) -> Result<(BrepCurve, f64), EdgeFault> {
         let Chain { left, right, .. } = network.chains[number];
         let limit = self.limit_at(network.chains[number].error);
         let made = |chain: &Chain| match &chain.arch {
@@ -234,11 +248,11 @@ impl Work<'_> {
             off = 0.0;
         }
         let Some(ends) = network.chains[number].ends else {
-            return Err("a chain without ends".into());
+            return Err(String::from("a chain without ends").into());
         };
         let [from, to] = curve.ends().map(Point::from);
         if ends[0] != ends[1] && (to - from).norm() < KERNEL {
-            return Err("an edge without a length".into());
+            return Err(String::from("an edge without a length").into());
         }
         for (place, end) in [from, to].iter().zip(ends) {
             off = off.max((place - network.vertices[end]).norm());
@@ -247,7 +261,9 @@ impl Work<'_> {
         if off_planes < EXACT && off < limit {
             Ok((curve, off))
         } else {
-            Err(format!("an edge is {:.1e} mm off its faces", off.max(off_planes)))
+            let why = format!("an edge is {:.1e} mm off its faces", off.max(off_planes));
+            let faces = self.pair_of_faces(&network.chains[number]);
+            Err(EdgeFault { why, at: faces.map(|faces| faces.worst_place(&curve)) })
         }
     }
 

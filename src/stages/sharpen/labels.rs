@@ -6,6 +6,7 @@ use crate::geometry::{NONE, Point};
 use crate::mesh::Mesh;
 use crate::primitives::Primitive;
 use crate::primitives::contact::{contact, crossing};
+use crate::statistics::outlying;
 
 /// Distances beyond so many standard deviations of the noise count linearly, as in Huber's estimator.
 const HUBER: f64 = 3.0;
@@ -32,12 +33,26 @@ const FEWEST: usize = 10;
 /// What no region holds goes to the nearest one if it is nowhere deeper than so many rings.
 const DEEPEST: u32 = 2;
 
+/// It is then also nowhere farther from the surfaces beside it than so many edges, as the fillet of a right angle that is as wide is within
+/// 0.75, and its normals have such a cosine with one of theirs, as the normal in a corner of three right angles leans by 55°.
+const NEAREST: f64 = 1.0;
+const LEAST_COSINE: f64 = 0.5;
+
+/// The end of a bore has one region beside it and so many triangles. Pieces between two regions are rims of sheets, and smaller ones are
+/// noise.
+const FEWEST_OF_END: usize = 3;
+
 /// Normals of two surfaces that differ by a smaller sine may touch.
 const NEARLY_PARALLEL: f64 = 0.35;
 
 impl Work<'_> {
     /// Smooths the borders, and gives small pieces to their neighbours.
     pub(super) fn tidy(&mut self) {
+        let before = self.of.clone();
+        self.strip();
+        self.fill();
+        self.find_small_faces();
+        self.restore(&before);
         self.fill();
         self.smooth();
         for _ in 0..3 {
@@ -49,6 +64,26 @@ impl Work<'_> {
         for _ in 0..SWEEPS {
             if !self.part_pinches() {
                 break;
+            }
+        }
+    }
+
+    /// Takes triangles away from their regions that are far from all surfaces around them.
+    fn strip(&mut self) {
+        let mut is_foreign = Vec::with_capacity(self.of.len());
+        for t in 0..self.of.len() {
+            let around = self.mesh.triangles[t].map(|v| self.around(v.0)).concat();
+            is_foreign.push(self.of[t] != NONE && self.is_foreign(t, &around));
+        }
+        (0..self.of.len()).filter(|&t| is_foreign[t]).for_each(|t| self.of[t] = NONE);
+    }
+
+    /// Gives triangles back to their regions that have no surface of their own, but for the ends of bores.
+    fn restore(&mut self, before: &[u32]) {
+        for piece in self.pieces() {
+            let is_end = self.regions_beside(&piece).len() == 1 && piece.len() >= FEWEST_OF_END;
+            if self.of[piece[0] as usize] == NONE && !is_end {
+                piece.iter().for_each(|&t| self.of[t as usize] = before[t as usize]);
             }
         }
     }
@@ -100,8 +135,7 @@ impl Work<'_> {
             let x = of.surface.distance(p).0.abs() / self.noise;
             cost += if x < HUBER { 0.5 * x * x } else { HUBER * (x - 0.5 * HUBER) } / 3.0;
         }
-        let middle = Point::from((corners[0].coords + corners[1].coords + corners[2].coords) / 3.0);
-        let normal = of.side * of.surface.normal(middle);
+        let normal = of.side * of.surface.normal(middle(corners));
         let own = self.mesh.area_vector(self.mesh.triangles[t]);
         let angle = own.cross(&normal).norm().atan2(own.dot(&normal));
         cost + (0.5 * (angle / TILT).powi(2)).min(MOST_TILT)
@@ -166,7 +200,7 @@ impl Work<'_> {
     }
 
     /// The connected pieces of all regions, and of what has none.
-    fn pieces(&self) -> Vec<Vec<u32>> {
+    pub(super) fn pieces(&self) -> Vec<Vec<u32>> {
         let mut sets = Sets::new(self.of.len());
         for t in 0..self.of.len() {
             for (_, o) in self.beside(t).filter(|&(_, o)| self.of[o] == self.of[t]) {
@@ -176,6 +210,40 @@ impl Work<'_> {
         sets.members()
     }
 
+    /// The regions that a piece has edges in common with, ascending.
+    pub(super) fn regions_beside(&self, piece: &[u32]) -> Vec<u32> {
+        let own = self.of[piece[0] as usize];
+        let all = piece.iter().flat_map(|&t| self.beside(t as usize)).map(|(_, o)| self.of[o]);
+        let mut around: Vec<u32> = all.filter(|&r| r != own && r != NONE).collect();
+        around.sort_unstable();
+        around.dedup();
+        around
+    }
+
+    /// How far the corners and the middle of a triangle are from the nearest one of some surfaces.
+    fn off(&self, t: usize, regions: &[u32]) -> f64 {
+        let off = |p: Point| {
+            let offs = regions.iter().map(|&r| self.surface(r).distance(p).0.abs());
+            offs.fold(f64::INFINITY, f64::min)
+        };
+        let corners = self.mesh.corners(self.mesh.triangles[t]);
+        corners.into_iter().map(off).fold(off(middle(corners)), f64::max)
+    }
+
+    /// Whether a triangle has nothing to do with some surfaces: noise does not explain how far it is off them, and it is farther than a fillet
+    /// between them or faces elsewhere.
+    fn is_foreign(&self, t: usize, regions: &[u32]) -> bool {
+        let corners = self.mesh.triangles[t];
+        let (own, at) = (self.mesh.area_vector(corners), middle(self.mesh.corners(corners)));
+        let faces = |&r: &u32| {
+            let of = &self.surfaces[r as usize];
+            of.side * of.surface.normal(at).dot(&own) >= LEAST_COSINE * own.norm()
+        };
+        let off = self.off(t, regions);
+        let explained = outlying(self.mesh.points.len()) * self.noise;
+        off > NEAREST * self.edge || off > explained && !regions.iter().any(faces)
+    }
+
     /// Gives pieces that are too small for a face to the regions around them. Returns whether there were some.
     fn dissolve(&mut self) -> bool {
         let mut is_any = false;
@@ -183,15 +251,10 @@ impl Work<'_> {
         pieces.retain(|piece| piece.len() < FEWEST);
         pieces.sort_by_key(Vec::len);
         for piece in pieces {
-            let own = self.of[piece[0] as usize];
-            let mut around: Vec<u32> = piece
-                .iter()
-                .flat_map(|&t| self.beside(t as usize))
-                .map(|(_, o)| self.of[o])
-                .collect();
-            around.retain(|&r| r != own && r != NONE);
-            around.sort_unstable();
-            around.dedup();
+            let around = self.regions_beside(&piece);
+            if piece.iter().any(|&t| self.is_foreign(t as usize, &around)) {
+                continue;
+            }
             let cost = |&r: &u32| piece.iter().map(|&t| self.misfit(t as usize, r)).sum::<f64>();
             let best = around.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
             if let Some(best) = best {
@@ -226,6 +289,7 @@ impl Work<'_> {
         };
         let thin: Vec<Vec<u32>> = pieces.iter().filter(is_thin).cloned().collect();
         for piece in thin {
+            let around = self.regions_beside(&piece);
             let mut left = piece;
             while !left.is_empty() {
                 let mut found: Vec<(u32, u32)> = Vec::new();
@@ -237,6 +301,9 @@ impl Work<'_> {
                         .collect();
                     beside.sort_unstable();
                     beside.dedup();
+                    if self.is_foreign(t as usize, &around) {
+                        continue;
+                    }
                     let cost = |&r: &u32| self.misfit(t as usize, r);
                     let best = beside.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
                     found.extend(best.map(|r| (t, r)));
@@ -249,6 +316,10 @@ impl Work<'_> {
             }
         }
     }
+}
+
+fn middle([a, b, c]: [Point; 3]) -> Point {
+    Point::from((a.coords + b.coords + c.coords) / 3.0)
 }
 
 /// How often regions occur again around a vertex, apart from what follows itself.

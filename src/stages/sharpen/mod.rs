@@ -5,6 +5,7 @@
 //! the curve in which the surfaces cross or touch, and those where more regions meet on all of them. The border of the
 //! triangles is only the start of these curves.
 //!
+//! - `small` finds the surfaces of pieces that are too small to be found without what is beside them.
 //! - `labels` smooths the borders by likelihood, and gives small pieces to their neighbours.
 //! - `constraints` moves the surfaces, weighted by their covariances, so that those that touch do so exactly, and more than three
 //!   have a common point. A constraint is kept if the data allow it.
@@ -15,6 +16,7 @@ mod constraints;
 mod labels;
 mod places;
 mod risers;
+mod small;
 mod surfaces;
 
 use places::Placed;
@@ -59,7 +61,7 @@ pub struct Sharpened {
     pub mesh: Mesh,
     /// For each of its triangles the number of the surface.
     pub of_triangle: Vec<u32>,
-    /// For each of its triangles that has no surface the number of its facet, which rises.
+    /// For each of its triangles that has no surface the number of its facet. The triangles of a facet follow each other.
     pub facet_of: Vec<u32>,
     /// The surfaces. Constraints are met.
     pub surfaces: Vec<ScanSurface>,

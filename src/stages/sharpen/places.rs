@@ -80,8 +80,8 @@ impl Work<'_> {
         let mesh = Mesh { points, triangles: opened.mesh.triangles.clone() };
         let (mut mesh, kept) = joined(mesh, ON * self.edge);
         let mut of: Vec<u32> = kept.iter().map(|&t| whole.of[t as usize]).collect();
-        self.flip_caps(&mut mesh, &mut of);
-        let facet = kept.iter().map(|&t| opened.facet[t as usize]).collect();
+        let mut facet: Vec<u32> = kept.iter().map(|&t| opened.facet[t as usize]).collect();
+        self.flip_caps(&mut mesh, &mut of, &mut facet);
         Placed { mesh, of, facet, risers: opened.risers }
     }
 
@@ -116,8 +116,10 @@ impl Work<'_> {
         (points, torn)
     }
 
-    /// Flips triangles without area, which lie on the curve between two surfaces.
-    fn flip_caps(&self, mesh: &mut Mesh, of: &mut [u32]) {
+    /// Flips triangles without area, which lie on the curve between two surfaces or are facets. Facets that were flipped get numbers of
+    /// their own.
+    fn flip_caps(&self, mesh: &mut Mesh, of: &mut [u32], facet: &mut [u32]) {
+        let mut count = facet.iter().max().map_or(0, |last| last + 1);
         for _ in 0..FLIPS {
             let points = mesh.points.clone();
             let corners = mesh.triangles.clone();
@@ -125,14 +127,19 @@ impl Work<'_> {
             let is_on = |v: &VertexId, region: u32| {
                 self.surface(region).distance(points[v.index()]).0.abs() <= ON * self.edge
             };
-            let may = |t: usize, o: usize| {
-                of[o] != NONE && of[t] != NONE && corners[t].iter().all(|v| is_on(v, of[o]))
-            };
+            let may =
+                |t: usize, o: usize| of[o] == NONE || corners[t].iter().all(|v| is_on(v, of[o]));
             let (flipped, _) = caps::round(mesh, &EdgeMap::new(mesh), CAP, may);
             if flipped.is_empty() {
                 break;
             }
-            flipped.into_iter().for_each(|[t, o]| of[t] = of[o]);
+            for [t, o] in flipped {
+                of[t] = of[o];
+                for own in [t, o].into_iter().filter(|&own| of[own] == NONE) {
+                    facet[own] = count;
+                    count += 1;
+                }
+            }
         }
     }
 
