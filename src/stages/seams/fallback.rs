@@ -6,9 +6,9 @@ use super::{FacePatch, Fallback, Work};
 use crate::geometry::sets::Sets;
 use crate::primitives::PrimitiveKind;
 
-/// A face loses triangles next to failing places so often, a strip each time. Then it is given up: what fails again and again is wrong as a whole. With 3,
-/// a cylinder of 28,000 triangles of a real scan is lost.
-const TRIES: u32 = 6;
+/// A face loses triangles next to failing places so often, a strip each time. Then the strips become twice as wide each time, until all of
+/// the face is lost if it fails again and again.
+const TRIES: u32 = 24;
 
 /// Why patches do not become faces.
 #[derive(Debug, Clone)]
@@ -123,10 +123,21 @@ impl Work<'_> {
     /// The triangles of a patch at given vertices, together with those in the planes of these triangles.
     fn strip(&self, i: usize, vertices: &[u32]) -> Vec<u32> {
         let patch = &self.patches[i];
-        if vertices.is_empty() || patch.is_facet || self.tries[i] >= TRIES {
+        if vertices.is_empty() || patch.is_facet {
             return patch.triangles.clone();
         }
-        let vertices: BTreeSet<u32> = vertices.iter().copied().collect();
+        let mut vertices: BTreeSet<u32> = vertices.iter().copied().collect();
+        let wider = (self.tries[i] + 1).saturating_sub(TRIES);
+        for _ in 1..1usize.checked_shl(wider).unwrap_or(usize::MAX) {
+            let before = vertices.len();
+            let corners = patch.triangles.iter().map(|&t| self.mesh.triangles[t as usize]);
+            let at = corners.filter(|of| of.iter().any(|v| vertices.contains(&v.0)));
+            let around: Vec<u32> = at.flatten().map(|v| v.0).collect();
+            vertices.extend(around);
+            if vertices.len() == before {
+                break;
+            }
+        }
         let is_at = |t: &u32| {
             self.mesh.triangles[*t as usize].iter().any(|corner| vertices.contains(&corner.0))
         };

@@ -3,10 +3,10 @@
 use formats::Brep;
 use formats::brep::{FaceId, ShellId};
 
-use super::Work;
 use super::fallback::SeamFault;
 use super::network::ChainNetwork;
 use super::shell::none;
+use super::{EXACT, Work};
 use crate::geometry::{Point, VertexId};
 use crate::primitives::Primitive;
 
@@ -144,7 +144,7 @@ impl Work<'_> {
     /// chords, the strip, comes on top.
     fn areas(&self, i: usize, strip: f64) -> [f64; 3] {
         let patch = &self.patches[i];
-        let [mut low, mut meshed, mut high] = [0.0; 3];
+        let [mut low, mut meshed, mut high, mut around] = [0.0; 4];
         for &t in &patch.triangles {
             let corners = self.mesh.corners(self.mesh.triangles[t as usize]);
             let [a, b, c] = corners;
@@ -157,6 +157,7 @@ impl Work<'_> {
             };
             let least = corners.map(cosine).iter().copied().fold(1.0, f64::min);
             meshed += area;
+            around += (b - a).norm() + (c - b).norm() + (a - c).norm();
             // A triangle that is turned over covers what others cover, too.
             low += area * least * least.abs();
             // A sliver has no normal, and no area.
@@ -164,7 +165,8 @@ impl Work<'_> {
         }
         low -= strip;
         high += strip;
-        let slack = INTEGRALS * meshed;
+        // Edges that are off by what is exact cover as much.
+        let slack = INTEGRALS * meshed + EXACT * around;
         [low - slack, meshed, high + slack]
     }
 

@@ -46,7 +46,7 @@ pub(super) struct Placed {
 const CAP: f64 = 1e-6;
 
 /// The most rounds of flips. Caps that lie side by side take one each.
-const FLIPS: usize = 16;
+const FLIPS: usize = 64;
 
 /// A vertex that has no place on all of its surfaces.
 pub(super) struct Tear {

@@ -3,6 +3,8 @@
 //! They have too few vertices to be found among all others. Beside known surfaces fewer are enough, as these tell directions: a floor
 //! is across the axis of its bore or a cone about it, and a hole goes along the normal of its sheet.
 
+use std::cmp::Ordering;
+
 use super::{ScanSurface, Work};
 use crate::geometry::{NONE, Point, Vector, VertexId};
 use crate::primitives::{
@@ -38,6 +40,24 @@ impl Start {
 const DIRECTION: usize = 2;
 const AXIS: usize = 4;
 
+/// A surface that explains a piece.
+struct Explained {
+    found: ScanSurface,
+    /// How many vertices it leaves unexplained.
+    left: usize,
+    parameters: usize,
+    /// The mean square of the distances of the others, in units of the noise.
+    squares: f64,
+}
+
+impl Explained {
+    /// The one that leaves fewest vertices comes first, then the simplest one.
+    fn order(&self, other: &Self) -> Ordering {
+        let [a, b] = [self, other].map(|of| (of.left, of.parameters));
+        a.cmp(&b).then(self.squares.total_cmp(&other.squares))
+    }
+}
+
 /// What is known of a piece.
 struct SmallPiece {
     /// The vertices that belong to no region.
@@ -53,11 +73,16 @@ impl Work<'_> {
                 continue;
             }
             let own = self.small(&piece);
-            let mut tried = self.starts(&piece, &own);
-            tried.sort_by_key(Start::parameters);
-            if let Some(found) = tried.into_iter().find_map(|start| self.explaining(start, &own)) {
-                let number = self.surfaces.len() as u32;
-                self.surfaces.push(found);
+            let tried = self.starts(&piece, &own).into_iter();
+            let fits = tried.filter_map(|start| self.explaining(start, &own));
+            if let Some(Explained { found, .. }) = fits.min_by(Explained::order) {
+                let is_same =
+                    |of: &ScanSurface| of.surface == found.surface && of.side == found.side;
+                let known = self.surfaces.iter().position(is_same);
+                let number = known.unwrap_or(self.surfaces.len()) as u32;
+                if known.is_none() {
+                    self.surfaces.push(found);
+                }
                 piece.iter().for_each(|&t| self.of[t as usize] = number);
             }
         }
@@ -87,7 +112,10 @@ impl Work<'_> {
     /// Surfaces near a piece.
     fn starts(&self, piece: &[u32], own: &SmallPiece) -> Vec<Start> {
         let SmallPiece { points, facets } = own;
-        let mut found = Vec::new();
+        // A surface that is known already needs no parameters.
+        let known =
+            |of: &ScanSurface| Start { surface: of.surface, held: of.surface.kind().parameters() };
+        let mut found: Vec<Start> = self.surfaces.iter().map(known).collect();
         let planes = starts(PrimitiveKind::Plane, points, facets, &[]);
         let mut normals: Vec<Vector> = Vec::new();
         for region in self.regions_beside(piece) {
@@ -104,32 +132,36 @@ impl Work<'_> {
                 found.extend(about.map(|surface| Start { surface, held: AXIS }));
             }
         }
-        let along = starts(PrimitiveKind::Cylinder, points, facets, &normals);
-        let along = along.into_iter().skip(1);
+        found.extend(planes.into_iter().map(|surface| Start { surface, held: 0 }));
+        let along = starts(PrimitiveKind::Cylinder, points, facets, &normals).into_iter().skip(1);
         found.extend(along.map(|surface| Start { surface, held: DIRECTION }));
-        for kind in [PrimitiveKind::Plane, PrimitiveKind::Cylinder, PrimitiveKind::Cone] {
-            let near = starts(kind, points, facets, &normals).into_iter();
-            found.extend(near.map(|surface| Start { surface, held: 0 }));
-        }
         found
     }
 
     /// The surface fitted to a piece, if noise explains how far nearly all of its vertices are off.
-    fn explaining(&self, start: Start, own: &SmallPiece) -> Option<ScanSurface> {
+    fn explaining(&self, start: Start, own: &SmallPiece) -> Option<Explained> {
         let sample = |&at: &Point| FitSample { at, error: self.noise };
         let mut samples: Vec<FitSample> = own.points.iter().map(sample).collect();
         let fewest = ((1.0 - MOST_OFF) * samples.len() as f64).ceil() as usize;
         let (parameters, options) = (start.parameters(), start.options());
         let mut surface = start.surface;
         while samples.len() >= fewest.max(parameters + SPARE) {
-            let found = fit(surface, &samples, &options)?;
             let free = (samples.len() - parameters) as f64;
-            surface = found.surface;
+            let found = fit(surface, &samples, &options)?;
+            if parameters > 0 {
+                surface = found.surface;
+            }
             if found.squares <= free * MeanSquare(free).at(SIGNIFICANT) {
                 let facing =
                     |of: &OrientedPoint| of.area * of.normal.dot(&surface.normal(of.centre));
                 let is_turned = own.facets.iter().map(facing).sum::<f64>() < 0.0;
-                return Some(ScanSurface { surface, side: if is_turned { -1.0 } else { 1.0 } });
+                let side = if is_turned { -1.0 } else { 1.0 };
+                return Some(Explained {
+                    found: ScanSurface { surface, side },
+                    left: own.points.len() - samples.len(),
+                    parameters,
+                    squares: found.squares / free,
+                });
             }
             let off = |of: &FitSample| surface.distance(of.at).0.abs();
             let worst = (0..samples.len())
