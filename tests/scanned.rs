@@ -128,6 +128,32 @@ fn a_scanned_block_with_a_bore_becomes_exact() {
 }
 
 #[test]
+fn the_floor_of_a_narrow_bore_is_found_beside_its_wall() {
+    // Three edges of the scan go across the floor, and so few vertices tell nothing by themselves.
+    let turn = Rotation3::from_euler_angles(0.0, 0.0, 0.9);
+    let half = Vector3::new(12.0, 9.0, 6.0);
+    let field = move |p: Vector3<f64>| {
+        let q = turn * p;
+        let block = (q.abs() - half).max();
+        block.max((1.9 - q.x.hypot(q.y)).min(q.z + 1.1))
+    };
+    let noise = 0.04;
+    let mut soup = scan(&field, 17.0, 0.7, noise);
+    let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
+    soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
+    let made = converted(&soup, SurfaceChoice::Auto);
+    assert_eq!(made.fallback, None);
+    let body = made.into_body().expect("one body");
+    let exact = body.exact().expect("exact faces");
+    let count = |kind| exact.faces.iter().filter(|face| face.surface.kind() == kind).count();
+    let kinds = [PrimitiveKind::Plane, PrimitiveKind::Cylinder].map(count);
+    assert_eq!((exact.faces.len(), kinds, exact.facets), (8, [7, 1], 0));
+    let volume = body.brep.volume(ShellId(0));
+    let wanted = 8.0 * half.product() - std::f64::consts::PI * 1.9 * 1.9 * 7.1;
+    assert!((volume / wanted - 1.0).abs() < 1e-3, "{volume} of {wanted}");
+}
+
+#[test]
 fn a_step_that_is_lower_than_an_edge_of_the_scan_is_closed_by_risers() {
     // The ring between the cylinders has no vertex of its own.
     let field = |p: Vector3<f64>| {

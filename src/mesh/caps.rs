@@ -127,6 +127,20 @@ mod tests {
     }
 
     #[test]
+    fn two_caps_back_to_back_are_flipped() {
+        let mut points = vec![[0., 0., 0.], [3., 0., 0.], [1., 0., 0.], [2., 0., 0.]];
+        points.extend([[1.5, 1., 0.], [1.5, -1., 0.]]);
+        let triangles = [[0, 1, 2], [1, 0, 3], [2, 4, 0], [1, 4, 2], [0, 5, 3], [3, 5, 1]];
+        let place = (0..points.len() as u32).collect();
+        let points = points.into_iter().map(Point::from).collect();
+        let triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
+        let mut build = Build::new(Mesh { points, triangles }, place, 1.0);
+        assert!(flip(&mut build));
+        let is_flat = |&t: &[VertexId; 3]| build.mesh.area_vector(t).norm() < 0.1;
+        assert!(!build.mesh.triangles.iter().any(is_flat), "{:?}", build.mesh.triangles);
+    }
+
+    #[test]
     fn a_cap_on_the_boundary_goes() {
         let mut build = square_with_cap(false);
         let flat: Vec<_> =

@@ -35,6 +35,9 @@ const AT_END: f64 = 1e-9;
 /// Two pcurves that are compared at more pairs of pieces run along each other. Those that cross need a few hundred.
 const MOST_PAIRS: usize = 20_000;
 
+/// The parts of a piece whose directions are compared.
+const SAMPLES: usize = 4;
+
 /// One use of an edge.
 struct UsedEdge<'a> {
     number: usize,
@@ -192,7 +195,7 @@ impl<'a> UsedEdge<'a> {
         }
         let within = |piece: &CurvePiece| {
             let [start, end] = piece.range;
-            [0.0, 0.25, 0.5, 0.75].map(|share| start + share * (end - start))
+            (0..SAMPLES).map(move |k| start + (end - start) * k as f64 / SAMPLES as f64)
         };
         let mut samples: Vec<f64> = self.pieces.iter().flat_map(within).collect();
         samples.extend(self.pieces.last().map(|piece| piece.range[1]));
@@ -268,5 +271,70 @@ impl Common {
             parts.fold(f64::INFINITY, f64::min)
         };
         is_straight(&a) && is_straight(&b) && a.iter().all(|p| off(p) <= together)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::brep::{EdgeUse, Frame, VertexId};
+    use formats::spline::SplineCurve;
+
+    use super::*;
+
+    /// A face of the xy plane whose loop runs along lines from point to point.
+    fn polygon(points: &[[f64; 2]]) -> (Brep, Face) {
+        let mut brep = Brep::default();
+        let mut vertices: Vec<([f64; 2], VertexId)> = Vec::new();
+        for &[x, y] in points {
+            if !vertices.iter().any(|of| of.0 == [x, y]) {
+                vertices.push(([x, y], brep.add_vertex([x, y, 0.0])));
+            }
+        }
+        let number = |p: [f64; 2]| vertices.iter().find(|of| of.0 == p).expect("a vertex").1;
+        let mut uses = Vec::new();
+        for (k, &a) in points.iter().enumerate() {
+            let b = points[(k + 1) % points.len()];
+            let curve = BrepCurve::line([a[0], a[1], 0.0], [b[0], b[1], 0.0]).expect("a line");
+            let range = curve.range();
+            let edge = brep.add_edge(curve, [number(a), number(b)]);
+            let pcurve = PCurve::line(a, b, range).expect("a line");
+            uses.push(EdgeUse { edge, forward: true, pcurve });
+        }
+        let frame = Frame::new([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).expect("a frame");
+        let surface = brep.add_surface(formats::brep::BrepSurface::Plane { frame });
+        (brep, Face { surface, forward: true, loops: vec![uses] })
+    }
+
+    #[test]
+    fn loops_pass_each_vertex_once() {
+        let (brep, face) = polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+        assert!(passed_twice(&brep, &face).is_empty() && crossed(&brep, &face).is_empty());
+        let bow = [[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0]];
+        let (brep, face) = polygon(&bow);
+        let found = passed_twice(&brep, &face);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].at, Point::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_vertex_on_another_edge_is_a_crossing() {
+        let (brep, face) =
+            polygon(&[[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 0.0], [1.0, 2.0], [0.0, 2.0]]);
+        assert!(!crossed(&brep, &face).is_empty());
+    }
+
+    #[test]
+    fn a_pcurve_that_turns_back_is_a_crossing() {
+        let own = |poles: Vec<[f64; 2]>| {
+            let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+            let spatial = poles.iter().map(|p| [p[0], p[1], 0.0]).collect();
+            let curve = SplineCurve::new(3, knots.clone(), spatial, None).expect("a curve");
+            let edge = Edge { curve: BrepCurve::Spline(curve), ends: [VertexId(0), VertexId(1)] };
+            let pcurve = PCurve::Spline(SplineCurve::new(3, knots, poles, None).expect("a curve"));
+            UsedEdge::new(0, &edge, &pcurve).own_crossing()
+        };
+        assert_eq!(own(vec![[0.0, 0.0], [1.0, 0.5], [2.0, 0.5], [3.0, 0.0]]), None);
+        assert!(own(vec![[0.0, 0.0], [4.0, 0.0], [4.0, 0.0], [3.0, 0.0]]).is_some());
+        assert!(own(vec![[0.0, 0.0], [4.0, 3.0], [-2.0, 3.0], [2.0, 0.0]]).is_some());
     }
 }

@@ -348,3 +348,16 @@ fn arc_through(
     }
     BrepCurve::ellipse(&frame, radii, (start, end)).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_from_which_the_next_one_lies_back_are_dropped() {
+        let at = |x: f64| Point::new(x, 0.1 * x * x, 0.0);
+        let mut points = [0.0, 1.0, 2.0, 3.2, 3.1, 3.0].map(at).to_vec();
+        onwards(&mut points);
+        assert_eq!(points, [0.0, 1.0, 2.0, 3.0].map(at));
+    }
+}

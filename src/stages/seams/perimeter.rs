@@ -242,3 +242,20 @@ impl Perimeter {
         Ok(Some(Stretch { line, at, range, forward }))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use formats::brep::Frame;
+
+    use super::*;
+
+    #[test]
+    fn a_face_holds_places_that_are_a_period_off() {
+        let frame = Frame::new([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).expect("a frame");
+        let perimeter = Perimeter::of(&BrepSurface::Cylinder { frame, radius: 2.0 }, 0.0);
+        let outline = [[5.0, 0.0], [7.0, 0.0], [7.0, 4.0], [5.0, 4.0]].map(Uv::from);
+        assert!(perimeter.holds(&outline, Uv::new(6.5, 1.0)));
+        assert!(perimeter.holds(&outline, Uv::new(6.5 - TAU, 1.0)));
+        assert!(!perimeter.holds(&outline, Uv::new(3.0, 1.0)));
+    }
+}

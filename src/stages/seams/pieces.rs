@@ -101,12 +101,12 @@ pub(super) fn place_of_lines(a: &CurvePiece, b: &CurvePiece, beyond: f64) -> Opt
 /// The parameters where an end of one piece touches the chord of the other one.
 pub(super) fn places_of_ends(a: &CurvePiece, b: &CurvePiece) -> Vec<[f64; 2]> {
     let mut found = Vec::new();
-    for (ends_of, chord, is_turned) in [(a, b, false), (b, a, true)] {
+    for (ends_of, chord, is_inverted) in [(a, b, false), (b, a, true)] {
         for (end, t) in ends_of.ends.into_iter().zip(ends_of.range) {
             if to_segment(end, chord.ends) <= FINE {
                 let [from, to] = chord.range;
                 let other = from + share_of_segment(end, chord.ends) * (to - from);
-                found.push(if is_turned { [other, t] } else { [t, other] });
+                found.push(if is_inverted { [other, t] } else { [t, other] });
             }
         }
     }

@@ -52,7 +52,7 @@ impl Work<'_> {
         self.strip();
         self.fill();
         self.find_small_faces();
-        self.restore(&before);
+        self.give_back(&before);
         self.fill();
         self.smooth();
         for _ in 0..3 {
@@ -79,7 +79,7 @@ impl Work<'_> {
     }
 
     /// Gives triangles back to their regions that have no surface of their own, but for the ends of bores.
-    fn restore(&mut self, before: &[u32]) {
+    fn give_back(&mut self, before: &[u32]) {
         for piece in self.pieces() {
             let is_end = self.regions_beside(&piece).len() == 1 && piece.len() >= FEWEST_OF_END;
             if self.of[piece[0] as usize] == NONE && !is_end {

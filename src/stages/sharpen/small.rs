@@ -154,8 +154,8 @@ impl Work<'_> {
             if found.squares <= free * MeanSquare(free).at(SIGNIFICANT) {
                 let facing =
                     |of: &OrientedPoint| of.area * of.normal.dot(&surface.normal(of.centre));
-                let is_turned = own.facets.iter().map(facing).sum::<f64>() < 0.0;
-                let side = if is_turned { -1.0 } else { 1.0 };
+                let is_inverted = own.facets.iter().map(facing).sum::<f64>() < 0.0;
+                let side = if is_inverted { -1.0 } else { 1.0 };
                 return Some(Explained {
                     found: ScanSurface { surface, side },
                     left: own.points.len() - samples.len(),
