@@ -210,9 +210,11 @@ impl<'a> UsedEdge<'a> {
         });
         let mut left: Vec<(CurvePiece, CurvePiece)> =
             pairs.filter(|(a, b)| are_near(a, b)).collect();
+        let mut count = 0;
         while let Some((a, b)) = left.pop() {
+            count += 1;
             let (halves, others) = (a.halves(self.pcurve), b.halves(self.pcurve));
-            if halves.len() + others.len() == 2 {
+            if halves.len() + others.len() == 2 || count > MOST_PAIRS {
                 return Some(self.at(a.range[0]));
             }
             let pairs = halves.iter().flat_map(|a| others.iter().map(move |b| (*a, *b)));
