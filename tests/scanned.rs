@@ -5,7 +5,7 @@ use formats::brep::ShellId;
 use formats::step;
 use scan2step::nalgebra::{Rotation3, Vector3};
 use scan2step::primitives::{Primitive, PrimitiveKind};
-use scan2step::{Conversion, Options, SurfaceChoice, convert};
+use scan2step::{Body, Conversion, Options, SurfaceChoice, convert};
 
 type Field = dyn Fn(Vector3<f64>) -> f64;
 
@@ -95,6 +95,16 @@ fn converted(soup: &Soup, surfaces: SurfaceChoice) -> Conversion {
     convert(soup, &options, &mut |_| Ok(())).expect("a conversion")
 }
 
+/// What the turned scan of a part becomes, without a fallback. The edges of the scan are 0.7 mm long.
+fn posed(field: &Field, size: f64, noise: f64) -> Body {
+    let mut soup = scan(field, size, 0.7, noise);
+    let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
+    soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
+    let made = converted(&soup, SurfaceChoice::Auto);
+    assert_eq!(made.fallback, None);
+    made.into_body().expect("one body")
+}
+
 #[test]
 fn a_scanned_block_with_a_bore_becomes_exact() {
     // The grid has no cell with two sheets while the walls are along one of its axes.
@@ -106,12 +116,7 @@ fn a_scanned_block_with_a_bore_becomes_exact() {
         block.max(5.0 - q.x.hypot(q.y))
     };
     let noise = 0.05;
-    let mut soup = scan(&field, 19.0, 0.7, noise);
-    let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
-    soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
-    let made = converted(&soup, SurfaceChoice::Auto);
-    assert_eq!(made.fallback, None);
-    let body = made.into_body().expect("one body");
+    let body = posed(&field, 19.0, noise);
     let exact = body.exact().expect("exact faces");
     let count = |kind| exact.faces.iter().filter(|face| face.surface.kind() == kind).count();
     let kinds = [PrimitiveKind::Plane, PrimitiveKind::Cylinder].map(count);
@@ -138,12 +143,7 @@ fn the_floor_of_a_narrow_bore_is_found_beside_its_wall() {
         block.max((1.9 - q.x.hypot(q.y)).min(q.z + 1.1))
     };
     let noise = 0.04;
-    let mut soup = scan(&field, 17.0, 0.7, noise);
-    let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
-    soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
-    let made = converted(&soup, SurfaceChoice::Auto);
-    assert_eq!(made.fallback, None);
-    let body = made.into_body().expect("one body");
+    let body = posed(&field, 17.0, noise);
     let exact = body.exact().expect("exact faces");
     let count = |kind| exact.faces.iter().filter(|face| face.surface.kind() == kind).count();
     let kinds = [PrimitiveKind::Plane, PrimitiveKind::Cylinder].map(count);
@@ -163,12 +163,7 @@ fn a_step_that_is_lower_than_an_edge_of_the_scan_is_closed_by_risers() {
         turned(6.0, -8.1, 8.1).min(turned(6.9, -8.1, 0.3))
     };
     let noise = 0.03;
-    let mut soup = scan(&field, 10.0, 0.7, noise);
-    let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
-    soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
-    let made = converted(&soup, SurfaceChoice::Auto);
-    assert_eq!(made.fallback, None);
-    let body = made.into_body().expect("one body");
+    let body = posed(&field, 10.0, noise);
     body.brep.check().expect("a valid solid");
     let exact = body.exact().expect("exact faces");
     let radius = |surface: &Primitive| match *surface {

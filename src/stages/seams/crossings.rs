@@ -11,7 +11,7 @@ use formats::brep::{BrepCurve, Edge, Face, PCurve};
 
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
-use super::pieces::{CurvePiece, are_near, pieces, place_of_lines, places_of_ends};
+use super::pieces::{CurvePiece, are_near, halved, pieces, place_of_lines, places_of_ends};
 use super::{EXACT, Work};
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::mesh::Mesh;
@@ -170,10 +170,8 @@ impl<'a> UsedEdge<'a> {
             if common.iter().any(|of| of.holds(self, other, [a.range, b.range])) {
                 continue;
             }
-            let (halves, others) = (a.halves(self.pcurve), b.halves(other.pcurve));
-            if halves.len() + others.len() > 2 {
-                let pairs = halves.iter().flat_map(|a| others.iter().map(move |b| (*a, *b)));
-                left.extend(pairs.filter(|(a, b)| are_near(a, b)));
+            if let Some(pairs) = halved([&a, &b], [self.pcurve, other.pcurve]) {
+                left.extend(pairs);
                 continue;
             }
             let is_held = |[s, t]: &[f64; 2]| {
@@ -213,12 +211,10 @@ impl<'a> UsedEdge<'a> {
         let mut count = 0;
         while let Some((a, b)) = left.pop() {
             count += 1;
-            let (halves, others) = (a.halves(self.pcurve), b.halves(self.pcurve));
-            if halves.len() + others.len() == 2 || count > MOST_PAIRS {
-                return Some(self.at(a.range[0]));
+            match halved([&a, &b], [self.pcurve; 2]) {
+                Some(pairs) if count <= MOST_PAIRS => left.extend(pairs),
+                _ => return Some(self.at(a.range[0])),
             }
-            let pairs = halves.iter().flat_map(|a| others.iter().map(move |b| (*a, *b)));
-            left.extend(pairs.filter(|(a, b)| are_near(a, b)));
         }
         None
     }

@@ -52,7 +52,7 @@ impl CurvePiece {
     }
 
     /// Both halves, or the whole if it is straight or its range cannot be halved.
-    pub fn halves(&self, pcurve: &PCurve) -> Vec<CurvePiece> {
+    fn halves(&self, pcurve: &PCurve) -> Vec<CurvePiece> {
         let [start, end] = self.range;
         let middle = 0.5 * (start + end);
         if self.sagitta <= FINE || middle == start || middle == end {
@@ -60,6 +60,16 @@ impl CurvePiece {
         }
         vec![CurvePiece::new(pcurve, [start, middle]), CurvePiece::new(pcurve, [middle, end])]
     }
+}
+
+/// The pairs of halves of two pieces that may meet. None if both pieces are straight.
+pub(super) fn halved(
+    [a, b]: [&CurvePiece; 2],
+    [of_a, of_b]: [&PCurve; 2],
+) -> Option<Vec<(CurvePiece, CurvePiece)>> {
+    let (halves, others) = (a.halves(of_a), b.halves(of_b));
+    let pairs = halves.iter().flat_map(|a| others.iter().map(move |b| (*a, *b)));
+    (halves.len() + others.len() > 2).then(|| pairs.filter(|(a, b)| are_near(a, b)).collect())
 }
 
 /// Whether curves of two pieces may meet.

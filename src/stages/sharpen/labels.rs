@@ -240,8 +240,8 @@ impl Work<'_> {
             of.side * of.surface.normal(at).dot(&own) >= LEAST_COSINE * own.norm()
         };
         let off = self.off(t, regions);
-        let explained = outlying(self.mesh.points.len()) * self.noise;
-        off > NEAREST * self.edge || off > explained && !regions.iter().any(faces)
+        let explained = || outlying(self.mesh.points.len()) * self.noise;
+        off > NEAREST * self.edge || !regions.iter().any(faces) && off > explained()
     }
 
     /// Gives pieces that are too small for a face to the regions around them. Returns whether there were some.
@@ -318,7 +318,7 @@ impl Work<'_> {
     }
 }
 
-fn middle([a, b, c]: [Point; 3]) -> Point {
+pub(super) fn middle([a, b, c]: [Point; 3]) -> Point {
     Point::from((a.coords + b.coords + c.coords) / 3.0)
 }
 

@@ -5,6 +5,7 @@
 
 use std::cmp::Ordering;
 
+use super::labels::middle;
 use super::{ScanSurface, Work};
 use crate::geometry::{NONE, Point, Vector, VertexId};
 use crate::primitives::{
@@ -98,8 +99,7 @@ impl Work<'_> {
         let facet = |&t: &u32| {
             let corners = self.mesh.triangles[t as usize];
             let area = self.mesh.area_vector(corners);
-            let [a, b, c] = self.mesh.corners(corners);
-            let centre = Point::from((a.coords + b.coords + c.coords) / 3.0);
+            let centre = middle(self.mesh.corners(corners));
             let normal = area.try_normalize(f64::MIN_POSITIVE)?;
             Some(OrientedPoint { centre, normal, area: area.norm() })
         };
