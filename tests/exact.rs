@@ -13,7 +13,7 @@ use scan2step::geometry::Vector;
 use scan2step::mesh::{Build, from_soup};
 use scan2step::primitives::{Primitive, PrimitiveKind};
 use scan2step::stages::regions::{self, FileRounding, RegionOrigin, Tessellation};
-use scan2step::stages::seams::{self, FacePatch, Report, SolidFault};
+use scan2step::stages::seams::{self, FacePatch, FacetForm, Report, SolidFault};
 
 /// The corners of polygons, which are cut into triangles from their first corner.
 type Polygons = Vec<Vec<[f64; 3]>>;
@@ -129,7 +129,7 @@ fn patches(soup: &Soup, build: &Build) -> (Vec<f64>, Vec<FacePatch>) {
         surface: region.surface.scaled(build.mm),
         side: region.side,
         is_facet: region.origin == RegionOrigin::Facet,
-        is_bent: false,
+        form: FacetForm::Flat,
         triangles: region.triangles.clone(),
     });
     (errors.iter().map(|e| e * build.mm).collect(), patches.collect())

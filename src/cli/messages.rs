@@ -192,7 +192,7 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
     if let Some(widest) = exact.risers.iter().max_by_key(|riser| riser.triangles) {
         let (n, p) = (exact.risers.len(), widest.place);
         progress.say(&format!(
-            "{of}edges: at {} surfaces do not meet, and triangles join them; {} of them near ({:.3}, {:.3}, {:.3}), where {}",
+            "{of}edges: at {} surfaces do not meet, and other faces join them; {} of them near ({:.3}, {:.3}, {:.3}), where {}",
             plural(n, "place"),
             grouped(widest.triangles),
             p.x,
@@ -219,10 +219,13 @@ fn exact_faces(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
             plural(left, "place")
         ));
     }
-    if exact.facets > 0 {
+    let others = [(exact.free_forms, "free-form face"), (exact.facets, "facet")];
+    let others = others.into_iter().filter(|&(count, _)| count > 0);
+    let others: Vec<String> = others.map(|(count, what)| plural(count, what)).collect();
+    if !others.is_empty() {
         progress.say(&format!(
-            "{of}facets: {}, as no surface was found that has their corners; {:.1} % of the area is exact",
-            if exact.facets == 1 { "1 face is a facet".into() } else { format!("{} faces are facets", grouped(exact.facets)) },
+            "{of}facets: {} where no surface was found; {:.1} % of the area is exact",
+            others.join(" and "),
             100.0 * exact.explained
         ));
     }

@@ -114,6 +114,8 @@ pub struct ExactFit {
     pub of_triangle: Vec<u32>,
     /// The number of faces that are only facets.
     pub facets: usize,
+    /// The number of free-form faces, which are B-splines where no surface was found.
+    pub free_forms: usize,
     /// The faces that were found, but became facets.
     pub fallbacks: Vec<Fallback>,
     /// The gaps of the mesh that were closed.
@@ -122,7 +124,7 @@ pub struct ExactFit {
     pub risers: Vec<Riser>,
     /// What was moved within the rounding of the file.
     pub snaps: Vec<Snap>,
-    /// The share of the area that is not facets.
+    /// The share of the area that is neither facets nor free-form.
     pub explained: f64,
     /// The bound of the errors of the vertices in mm: the rounding of the file, or of the program that computed them. 0 if
     /// the scan is noisy.
@@ -141,8 +143,10 @@ pub struct ExactFace {
     pub surface: Primitive,
     /// +1 if the outside of the part is where the distance to the surface is positive, -1 otherwise.
     pub side: f64,
-    /// Whether the surface is only the plane of facets.
+    /// Whether the surface is only the plane of facets, or of a free-form face.
     pub is_facet: bool,
+    /// Whether the face is a B-spline in place of facets, of which the surface above is only a plane.
+    pub is_free: bool,
     /// The root mean square distance of its vertices from the surface.
     pub rms: f64,
     /// The largest of these distances.

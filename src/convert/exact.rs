@@ -16,7 +16,7 @@ use crate::primitives::PrimitiveKind;
 use crate::stages::regions::{
     self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation, VertexErrors,
 };
-use crate::stages::seams::{self, ClosedGap, FacePatch, SolidFault};
+use crate::stages::seams::{self, ClosedGap, FacePatch, FacetForm, SolidFault};
 use crate::words::plural;
 
 /// What became of the try to find exact faces.
@@ -300,11 +300,11 @@ fn body(
         surface: region.surface.scaled(mm),
         side: region.side,
         is_facet: region.origin == RegionOrigin::Facet,
-        is_bent: false,
+        form: FacetForm::Flat,
         triangles: region.triangles.clone(),
     });
     let measured = [mesh.points.len(), mesh.triangles.len()];
-    let wanted = seams::Options { name: options.name.clone(), least_exact };
+    let wanted = seams::Options { name: options.name.clone(), least_exact, free_form: false };
     let sewn = sewn(mesh, &errors, patches.collect(), shape, &wanted);
     let Sewn { mut brep, mut report, mesh, gaps } = match sewn {
         Ok(sewn) => sewn,

@@ -74,6 +74,7 @@ impl ExactBody {
                 mesh,
                 mm,
                 facets: self.report.facets,
+                free_forms: self.report.free_forms,
                 fallbacks: self.report.fallbacks,
                 gaps: self.gaps,
                 risers: self.risers,

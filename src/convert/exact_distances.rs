@@ -6,6 +6,8 @@ use super::conversion::ExactFace;
 use crate::deviation::{Deviation, FaceToScan};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Mesh, Triangles};
+use crate::spline::Surface;
+use crate::spline::nearest::{Foot, NearestPlace, NearestSearch};
 use crate::stages::seams::FacePatch;
 
 /// How far the vertices and the triangles of a mesh are from exact faces.
@@ -65,9 +67,13 @@ impl Distances {
         let of_triangle = faces_of(mesh, patches);
         let triangles = Triangles::new(mesh);
         let face_at = |p: Point| of_triangle[triangles.nearest(p).1] as usize;
+        let free: Vec<Option<FreeFace>> = patches.par_iter().map(FreeFace::of).collect();
         let signed = |p: Point| {
             let (off, triangle) = triangles.nearest(p);
             let face = of_triangle[triangle] as usize;
+            if let Some(free) = &free[face] {
+                return (face, patches[face].side * free.distance(p, off));
+            }
             let distance = patches[face].side * patches[face].surface.distance(p).0;
             let foot = patches[face].surface.closest(p);
             let is_there = distance.abs() >= off || face_at(foot) == face;
@@ -95,6 +101,39 @@ impl Distances {
     }
 }
 
+/// A free-form face with what finds its points.
+struct FreeFace<'a> {
+    surface: &'a Surface,
+    /// The farthest that it is off its triangles.
+    off: f64,
+    search: NearestSearch,
+}
+
+impl<'a> FreeFace<'a> {
+    fn of(patch: &'a FacePatch) -> Option<Self> {
+        let form = patch.free_form()?;
+        let surface = form.surface()?;
+        Some(FreeFace {
+            surface,
+            off: form.off(),
+            search: NearestSearch::new(surface, |_, _| true),
+        })
+    }
+
+    /// The distance of a point, positive on the side of the normal, if its distance from the triangles is known.
+    fn distance(&self, p: Point, from_triangles: f64) -> f64 {
+        let foot = Foot::find(self.surface, p, self.search.start(p));
+        let mut best = NearestPlace { at: foot.at, distance: foot.distance };
+        // What is farther is not the nearest place.
+        if best.distance > from_triangles + self.off {
+            best = self.search.improve(self.surface, p, best, &|_| true);
+        }
+        let NearestPlace { at, distance } = best;
+        let jet = self.surface.jet(at);
+        distance.copysign(jet.su.cross(&jet.sv).dot(&(p - jet.s)))
+    }
+}
+
 /// The share of the area of the first triangles, so many, that is not facets.
 fn explained(mesh: &Mesh, count: usize, patches: &[FacePatch]) -> f64 {
     let (mut all, mut exact) = (0.0, 0.0);
@@ -118,8 +157,10 @@ fn faces_of(mesh: &Mesh, patches: &[FacePatch]) -> Vec<u32> {
 }
 
 /// A face before any point of it is measured. While points are, its `rms` is their sum of squares.
-fn unmeasured(&FacePatch { surface, side, is_facet, .. }: &FacePatch) -> ExactFace {
-    ExactFace { surface, side, is_facet, rms: 0.0, max: 0.0, points: 0 }
+fn unmeasured(patch: &FacePatch) -> ExactFace {
+    let &FacePatch { surface, side, is_facet, .. } = patch;
+    let is_free = patch.free_form().is_some();
+    ExactFace { surface, side, is_facet, is_free, rms: 0.0, max: 0.0, points: 0 }
 }
 
 fn measure(of: &mut ExactFace, distance: f64) {

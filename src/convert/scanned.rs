@@ -13,7 +13,7 @@ use crate::geometry::NONE;
 use crate::mesh::{Choice, Components, Disk, Mesh};
 use crate::primitives::Primitive;
 use crate::stages::regions::{self, Regions, ScanNoise};
-use crate::stages::seams::{self, FacePatch};
+use crate::stages::seams::{self, FacePatch, FacetForm};
 use crate::stages::sharpen::{self, Riser, ScanSurface, Sharpened, sharpen};
 use crate::statistics::outlying;
 
@@ -107,7 +107,7 @@ fn patches_of(made: &Sharpened, mesh: &Mesh, mm: f64) -> Vec<FacePatch> {
         surface: of.surface.scaled(mm),
         side: of.side,
         is_facet: false,
-        is_bent: false,
+        form: FacetForm::Flat,
         triangles: Vec::new(),
     };
     let mut patches: Vec<FacePatch> = made.surfaces.iter().map(patch).collect();
@@ -122,7 +122,7 @@ fn patches_of(made: &Sharpened, mesh: &Mesh, mm: f64) -> Vec<FacePatch> {
         if last == facet
             && let Some(patch) = patches.last_mut()
         {
-            patch.is_bent = true;
+            patch.form = FacetForm::Bent;
             patch.triangles.push(t as u32);
             continue;
         }
@@ -131,7 +131,13 @@ fn patches_of(made: &Sharpened, mesh: &Mesh, mm: f64) -> Vec<FacePatch> {
         let normal = mesh.area_vector(corners).try_normalize(0.0).unwrap_or_default();
         let surface = Primitive::Plane { origin: mesh.point(corners[0]), normal };
         let triangles = vec![t as u32];
-        patches.push(FacePatch { surface, side: 1.0, is_facet: true, is_bent: false, triangles });
+        patches.push(FacePatch {
+            surface,
+            side: 1.0,
+            is_facet: true,
+            form: FacetForm::Flat,
+            triangles,
+        });
     }
     patches.retain(|patch| !patch.triangles.is_empty());
     patches
@@ -159,7 +165,8 @@ fn body(
     let mesh = made.mesh.clone().scaled(mm);
     let patches = patches_of(&made, &mesh, mm);
     let errors = vec![PLACED; mesh.points.len()];
-    let wanted = seams::Options { name: options.name.clone(), least_exact: LEAST_EXACT };
+    let wanted =
+        seams::Options { name: options.name.clone(), least_exact: LEAST_EXACT, free_form: true };
     let (brep, mut report) = match seams::solid(&mesh, &errors, patches, &wanted) {
         Ok(made) => made,
         Err(why) => return Ok(Err(rounded(&why.to_string(), &made, mm))),

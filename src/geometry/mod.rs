@@ -1,6 +1,7 @@
 //! Types for points in space, points in the parameter plane, vertex indices and boundary loops,
 //! with elementary geometric functions.
 
+mod fairing;
 mod ordered;
 mod quarter;
 pub(crate) mod random;
@@ -8,6 +9,7 @@ pub(crate) mod sets;
 
 use std::fmt;
 
+pub(crate) use fairing::faired;
 pub(crate) use ordered::OrderedFloat;
 pub(crate) use quarter::Quarter;
 

@@ -33,7 +33,9 @@ pub struct ExactFigures {
     pub snaps: Vec<SnapFigures>,
     /// Faces that were found, but became facets.
     pub facets: Vec<FacetFigures>,
-    /// Where the surfaces of a scan do not meet, so that triangles join them.
+    /// The number of free-form faces, which are B-splines where no surface was found.
+    pub free_forms: usize,
+    /// Where the surfaces of a scan do not meet, so that other faces join them.
     pub risers: Vec<RiserFigures>,
     /// Gaps of the mesh that were closed.
     pub gaps: Vec<GapFigures>,
@@ -156,6 +158,7 @@ impl ExactFigures {
             cylinders,
             snaps: fit.snaps.iter().map(|snap| SnapFigures::of(snap, fit.mm)).collect(),
             facets: fit.fallbacks.iter().map(FacetFigures::of).collect(),
+            free_forms: fit.free_forms,
             risers: fit.risers.iter().map(RiserFigures::of).collect(),
             gaps: fit.gaps.iter().map(GapFigures::of).collect(),
         }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::exact_view::{ExactView, KINDS};
+use super::exact_view::{ExactView, KINDS, OTHER};
 use super::relations::along;
 use super::{ExactFigures, RelationFigures, SnapFigures, SurfaceFigures};
 use crate::report::picture::colour::TINTS;
@@ -21,7 +21,7 @@ pub(super) fn rows(view: &ExactView) -> Value {
             "sweep_deg": row.sweep_deg, "axis": along(row.axis), "at": row.at,
         })
     });
-    let facet_faces = KINDS.iter().zip(view.counts).find(|(name, _)| **name == "facet");
+    let facet_faces = KINDS.iter().zip(view.counts).find(|(name, _)| **name == OTHER);
     json!({
         "kinds": kinds.map(kind).collect::<Vec<_>>(),
         "rounding_mm": figures.rounding_mm,

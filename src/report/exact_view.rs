@@ -2,14 +2,17 @@
 
 use super::exact::ExactFigures;
 use crate::convert::{ExactFace, ExactFit};
-use crate::geometry::Vector;
+use crate::geometry::{Point, Vector};
 use crate::mesh::Mesh;
 use crate::primitives::PrimitiveKind;
 use crate::report::picture::colour::{Rgb, TINTS, linear, srgb};
 use crate::words::mm;
 
+/// The kind of faces that lie on no surface.
+pub(super) const OTHER: &str = "free-form or facet";
+
 /// The kinds of faces, in the order of their colours.
-pub(super) const KINDS: [&str; 6] = ["plane", "cylinder", "cone", "sphere", "torus", "facet"];
+pub(super) const KINDS: [&str; 6] = ["plane", "cylinder", "cone", "sphere", "torus", OTHER];
 
 /// The position of a face's kind among [`KINDS`].
 pub(super) fn kind_of(face: &ExactFace) -> usize {
@@ -20,6 +23,17 @@ pub(super) fn kind_of(face: &ExactFace) -> usize {
         PrimitiveKind::Cone => 2,
         PrimitiveKind::Sphere => 3,
         PrimitiveKind::Torus => 4,
+    }
+}
+
+impl ExactFace {
+    /// The normals at the corners of a triangle of the face. Where its surface is not elementary they are those of the triangle.
+    pub(super) fn normals(&self, corners: [Point; 3]) -> [Vector; 3] {
+        let [a, b, c] = corners;
+        match self.is_free {
+            true => [(b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default(); 3],
+            false => corners.map(|p| self.side * self.surface.normal(p)),
+        }
     }
 }
 
@@ -44,8 +58,7 @@ impl ExactView {
         fit.faces.iter().for_each(|face| counts[kind_of(face)] += 1);
         let paint = |(&face, &triangle): (&u32, &[_; 3])| {
             let face = &fit.faces[face as usize];
-            let normals = fit.mesh.corners(triangle).map(|p| face.side * face.surface.normal(p));
-            (kind_of(face), normals)
+            (kind_of(face), face.normals(fit.mesh.corners(triangle)))
         };
         ExactView {
             painted: fit.of_triangle.iter().zip(&fit.mesh.triangles).map(paint).collect(),

@@ -91,17 +91,18 @@ impl FaceMesh {
         let mut numbers = HashMap::new();
         for (&face, &triangle) in fit.of_triangle.iter().zip(&fit.mesh.triangles) {
             let of = &fit.faces[face as usize];
-            let number = |v: VertexId| {
+            let normals = of.normals(fit.mesh.corners(triangle));
+            let mut number = |(v, normal): (VertexId, Vector)| {
                 *numbers.entry((face, v)).or_insert_with(|| {
                     let p = fit.mesh.point(v);
                     mesh.mesh.points.push(p);
-                    mesh.normals.push(of.side * of.surface.normal(p));
+                    mesh.normals.push(normal);
                     mesh.curvatures.push((of.side * of.surface.curvature(p)) as f32);
                     mesh.face_of.push(kind_of(of));
                     VertexId::from(mesh.mesh.points.len() - 1)
                 })
             };
-            let corners = triangle.map(number);
+            let corners = [0, 1, 2].map(|k| number((triangle[k], normals[k])));
             mesh.mesh.triangles.push(corners);
         }
         mesh

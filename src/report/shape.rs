@@ -178,12 +178,12 @@ impl PatchFigures {
     /// The figures of all exact faces.
     pub(super) fn exact(fit: &ExactFit) -> Vec<Self> {
         let face = |face: &ExactFace| PatchFigures {
-            surface: face.surface.kind().name(),
+            surface: if face.is_free { "spline" } else { face.surface.kind().name() },
             net: None,
             rms_mm: face.rms,
             max_mm: face.max,
             points: face.points,
-            parameters: Some(SurfaceFigures::of(&face.surface)),
+            parameters: (!face.is_free).then(|| SurfaceFigures::of(&face.surface)),
         };
         fit.faces.iter().map(face).collect()
     }

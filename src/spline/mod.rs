@@ -34,7 +34,7 @@ pub use network_cut::{
     CutArc, CutPart, KeptFace, KeptPlaces, NetworkCut, PieceEnd, TrackNode, chord_points, side_line,
 };
 pub(crate) use polynomials::fast_evaluator;
-pub(crate) use refine::refined;
+pub(crate) use refine::{inserted, refined};
 pub use samples::Samples;
 pub use surface::{Jet, ParametricSurface, Surface};
 

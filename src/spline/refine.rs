@@ -33,7 +33,7 @@ pub(crate) fn refined<const D: usize>(
 
 /// The control points of a curve over a finer knot vector. Each is a blossom of the piece at the
 /// start of the new basis function (Oslo algorithm: Cohen, Lyche, Riesenfeld, 1980).
-fn inserted<const D: usize>(
+pub(crate) fn inserted<const D: usize>(
     control: &[SVector<f64, D>],
     from: &KnotVector,
     to: &KnotVector,

@@ -105,6 +105,9 @@ struct Sweep<'a, F> {
 impl<F: Fn([f64; 3], [f64; 3]) -> f64> Sweep<'_, F> {
     /// ∫ G du along a pcurve, where G(u, v) is the integral of the density from the line to v.
     fn along(&self, pcurve: &PCurve) -> f64 {
+        if is_upright(pcurve) {
+            return 0.0;
+        }
         let breaks = pieces(self.surface, pcurve);
         let piece = |ends: &[f64]| {
             gauss(ends[0], ends[1], |t| {
@@ -133,6 +136,15 @@ impl<F: Fn([f64; 3], [f64; 3]) -> f64> Sweep<'_, F> {
         let breaks = divided(breaks, if self.surface.is_rational() { PARTS } else { 1 });
         let spans = breaks.windows(2).take_while(|span| span[0] < end);
         spans.map(|span| smooth(span[0], span[1].min(end))).sum()
+    }
+}
+
+/// Whether u is the same all along a pcurve.
+fn is_upright(pcurve: &PCurve) -> bool {
+    match pcurve {
+        PCurve::Line(_) => pcurve.ends()[0][0] == pcurve.ends()[1][0],
+        PCurve::Spline(spline) => spline.poles().windows(2).all(|pair| pair[0][0] == pair[1][0]),
+        PCurve::Ellipse(_) => false,
     }
 }
 

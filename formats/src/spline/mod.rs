@@ -251,12 +251,31 @@ impl SplineSurface {
     /// The point at (u, v) and the derivatives in u and in v.
     pub fn tangents(&self, u: f64, v: f64) -> [[f64; 3]; 3] {
         let (of_u, of_v) = (SplineBasis::new(&self.u, u), SplineBasis::new(&self.v, v));
+        if self.weights.is_none() {
+            return self.plain_tangents([&of_u, &of_v]);
+        }
         let sum = |derivative| self.sum([&of_u, &of_v], derivative);
         let (sums, weights) = sum([0, 0]);
         let point = sums.map(|x| x / weights);
         let derivative =
             |(d, change): ([f64; 3], f64)| [0, 1, 2].map(|k| (d[k] - change * point[k]) / weights);
         [point, derivative(sum([1, 0])), derivative(sum([0, 1]))]
+    }
+
+    /// The point and the derivatives without weights.
+    fn plain_tangents(&self, [of_u, of_v]: [&SplineBasis; 2]) -> [[f64; 3]; 3] {
+        let [u, v] = [of_u, of_v].map(|basis| &basis.derivative);
+        let mut sums = [[0.0; 3]; 3];
+        for i in 0..=self.u.degree {
+            let first = (of_u.first + i) * self.v.poles() + of_v.first;
+            for (j, pole) in self.poles[first..=first + self.v.degree].iter().enumerate() {
+                let shares = [u[0][i] * v[0][j], u[1][i] * v[0][j], u[0][i] * v[1][j]];
+                for (sum, share) in sums.iter_mut().zip(shares) {
+                    (0..3).for_each(|k| sum[k] += pole[k] * share);
+                }
+            }
+        }
+        sums
     }
 
     /// The sum of the poles, multiplied by their weights and derivatives of their functions in u

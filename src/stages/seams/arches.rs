@@ -8,10 +8,10 @@ use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::DMatrix;
 
 use super::chart::array;
-use super::curves::{Pair, SPLINE};
+use super::curves::{Course, Pair, SPLINE};
 use super::faces::FaceBuilder;
 use super::network::{Chain, ChainNetwork, ChainUse};
-use super::{EXACT, Work};
+use super::{EXACT, FacetForm, Work};
 use crate::geometry::{Point, Vector, VertexId};
 use crate::primitives::{Primitive, PrimitiveKind};
 
@@ -249,24 +249,35 @@ impl BentFacet {
 }
 
 impl Work<'_> {
-    /// Whether a patch is a facet that is laid through its edges.
+    /// Whether a patch is a facet whose surface is laid through its edges.
     pub(super) fn is_bent(&self, i: usize) -> bool {
         let patch = &self.patches[i];
-        patch.is_facet && (patch.triangles.len() == 1 || patch.is_bent)
+        patch.is_facet && (patch.triangles.len() == 1 || !matches!(patch.form, FacetForm::Flat))
     }
 
     /// Whether the edges of a patch lie on its surface.
-    fn holds_edges(&self, i: usize) -> bool {
+    pub(super) fn holds_edges(&self, i: usize) -> bool {
         !self.is_wall(i) && !self.is_bent(i)
     }
 
     /// The surfaces of a chain. At an arch they are the curved one and the plane that stands on it.
     pub(super) fn pair<'a>(&'a self, chain: &'a Chain) -> Pair<'a> {
-        let [a, b] = [chain.left, chain.right].map(|i| &self.patches[i].surface);
+        let sides = [chain.left, chain.right];
+        let [a, b] = sides.map(|i| &self.patches[i].surface);
+        let course = if chain.touches { Course::Touches } else { Course::Crosses };
+        if sides.iter().any(|&i| self.is_free(i)) {
+            return match sides.into_iter().find(|&i| self.holds_edges(i)) {
+                Some(i) => {
+                    let only = &self.patches[i].surface;
+                    Pair { a: only, b: only, course: Course::Follows }
+                }
+                None => Pair { a, b, course: Course::Loose },
+            };
+        }
         match (&chain.upright, self.is_bent(chain.left)) {
-            (None, _) => Pair { a, b, touches: chain.touches },
-            (Some(plane), true) => Pair { a: b, b: plane, touches: false },
-            (Some(plane), false) => Pair { a, b: plane, touches: false },
+            (None, _) => Pair { a, b, course },
+            (Some(plane), true) => Pair { a: b, b: plane, course: Course::Crosses },
+            (Some(plane), false) => Pair { a, b: plane, course: Course::Crosses },
         }
     }
 
@@ -277,7 +288,8 @@ impl Work<'_> {
         let a = held.next()?;
         let b = held.next().unwrap_or(a);
         let [a, b] = [a, b].map(|i| &self.patches[i].surface);
-        Some(Pair { a, b, touches: chain.touches })
+        let course = if chain.touches { Course::Touches } else { Course::Crosses };
+        Some(Pair { a, b, course })
     }
 
     /// Gives the chains between facets and curved faces their arches.
@@ -288,7 +300,8 @@ impl Work<'_> {
                 self.holds_edges(i) && self.patches[i].surface.kind() != PrimitiveKind::Plane
             });
             let (Some(curved), Some(ends)) = (curved, chain.ends) else { continue };
-            if !sides.iter().any(|&i| self.is_bent(i)) || chain.mesh_vertices.len() != 2 {
+            let is_bent = |&i: &usize| self.is_bent(i) && !self.is_free(i);
+            if !sides.iter().any(is_bent) || chain.mesh_vertices.len() != 2 {
                 continue;
             }
             let [from, to] = ends.map(|end| network.vertices[end]);
@@ -321,7 +334,7 @@ impl Work<'_> {
 
     /// A facet with its arches, unless it is flat.
     fn bent(&self, i: usize, network: &ChainNetwork) -> Option<BentFacet> {
-        if !self.is_bent(i) {
+        if !self.is_bent(i) || self.is_free(i) {
             return None;
         }
         let corners = self.corners(i);

@@ -1,9 +1,9 @@
 //! Bores whose walls are missing: two circular rims of one radius and axis in opposite faces. They are closed by a cylinder.
 
-use super::FacePatch;
 use super::gaps::{ClosedGap, GapClosure, GapFill};
 use super::rims::{OFF_RIM, Rim};
 use super::stretches::circle_of;
+use super::{FacePatch, FacetForm};
 use crate::geometry::{Point, Vector, VertexId, plane_axes};
 use crate::mesh::boundary;
 use crate::primitives::Primitive;
@@ -85,7 +85,7 @@ impl GapClosure {
             surface,
             side: -1.0,
             is_facet: false,
-            is_bent: false,
+            form: FacetForm::Flat,
             triangles,
         });
         let ring = self.ring_between(bore, a, b);

@@ -6,6 +6,7 @@ use formats::brep::{BrepCurve, Frame};
 use nalgebra::{DMatrix, Matrix2, Vector2};
 
 use super::chart::{array, vector};
+use super::followed::{followed, led_curve};
 use super::hermite::through;
 use super::network::Chain;
 use crate::geometry::{Point, Vector};
@@ -22,11 +23,11 @@ const LIES: f64 = 5e-7;
 pub(super) const SPLINE: f64 = 2e-8;
 
 /// The most points of a spline.
-const MOST_POINTS: usize = 1500;
+pub(super) const MOST_POINTS: usize = 1500;
 
 /// So often a spline gets more points. Each time halves the pieces that are too far off, and divides their error by sixteen. What is
 /// left after so many is beside a vertex that is off the surfaces.
-const MOST_ROUNDS: usize = 20;
+pub(super) const MOST_ROUNDS: usize = 20;
 
 /// The fewest exact points of a chain: enough for an ellipse and its check.
 const FEWEST_POINTS: usize = 24;
@@ -37,28 +38,56 @@ const SAMPLES: usize = 32;
 /// The points that a conic is fitted to. All points are compared with it.
 const FITTED: usize = 48;
 
+/// How a curve is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Course {
+    /// Two surfaces cross.
+    Crosses,
+    /// Two surfaces touch.
+    Touches,
+    /// Through the points of the chain, on the only surface beside it.
+    Follows,
+    /// Through the points of the chain, as no surface is known beside it.
+    Loose,
+}
+
 /// The surfaces of a chain.
 pub(super) struct Pair<'a> {
     pub a: &'a Primitive,
     pub b: &'a Primitive,
-    pub touches: bool,
+    pub course: Course,
 }
 
 impl Pair<'_> {
     fn is_flat(&self) -> bool {
-        [self.a, self.b].iter().all(|s| s.kind() == PrimitiveKind::Plane)
+        !self.is_led() && [self.a, self.b].iter().all(|s| s.kind() == PrimitiveKind::Plane)
+    }
+
+    /// Whether the curve runs through the points of its chain.
+    pub fn is_led(&self) -> bool {
+        matches!(self.course, Course::Follows | Course::Loose)
     }
 
     pub fn project(&self, p: Point) -> Point {
-        match (self.is_flat(), self.touches) {
-            (true, _) => p,
-            (_, true) => contact(self.a, self.b, p),
-            _ => crossing(self.a, self.b, p),
+        match self.course {
+            Course::Loose => p,
+            Course::Follows => self.a.closest(p),
+            _ if self.is_flat() => p,
+            Course::Touches => contact(self.a, self.b, p),
+            Course::Crosses => crossing(self.a, self.b, p),
         }
     }
 
+    /// The normal of the surface that a curve follows.
+    pub fn normal(&self, p: Point) -> Option<Vector> {
+        (self.course == Course::Follows).then(|| self.a.normal(p))
+    }
+
     fn off(&self, p: Point) -> f64 {
-        self.a.distance(p).0.abs().max(self.b.distance(p).0.abs())
+        match self.course {
+            Course::Loose => 0.0,
+            _ => self.a.distance(p).0.abs().max(self.b.distance(p).0.abs()),
+        }
     }
 
     /// Replaces the points of a chain by more of them on both surfaces. The ends stay if they are vertices.
@@ -74,6 +103,10 @@ impl Pair<'_> {
             return Err("a border without a length".into());
         }
         let n = chain.points.len() - 1;
+        if self.is_led() {
+            chain.points[1..n].iter_mut().for_each(|p| *p = self.project(*p));
+            return Ok(());
+        }
         let parts = FEWEST_POINTS.div_ceil(n);
         let mut points = Vec::with_capacity(n * parts + 1);
         let mut size: f64 = 0.0;
@@ -111,6 +144,20 @@ impl Pair<'_> {
         }
         let off = points.iter().map(|&p| self.off(p)).fold(0.0, f64::max);
         let lies = LIES.max(3.0 * off);
+        if self.is_led() {
+            let chord = BrepCurve::line(array(first), array(last))?;
+            let along = (last - first).normalize();
+            let aside = |p: &Point| along.cross(&(p - first)).norm();
+            let worst = self.worst(&chord);
+            if points.iter().map(aside).fold(worst, f64::max) <= SPLINE {
+                return Ok((chord, worst));
+            }
+            if self.course == Course::Follows && self.a.kind() != PrimitiveKind::Plane {
+                return followed(self.a, points, chain.tangents);
+            }
+            let curve = led_curve(points, chain.tangents)?;
+            return Ok((BrepCurve::Spline(curve), off));
+        }
         if let Some(curve) = elementary(points, chain.is_closed(), off)
             && self.worst(&curve) <= lies
         {

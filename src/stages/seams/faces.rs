@@ -8,6 +8,7 @@ use formats::spline::SplineCurve;
 use super::chart::{Chart, array};
 use super::domain::FacePlan;
 use super::fallback::SeamFault;
+use super::free_face::FreeSurface;
 use super::network::{ChainNetwork, ChainUse};
 use super::pcurves::pcurve;
 use super::perimeter::{Perimeter, PerimeterPlace, Stretch};
@@ -95,6 +96,8 @@ pub(super) struct FaceBuilder<'a> {
     pub patch_of: Vec<usize>,
     /// For each face its triangles.
     pub triangles: Vec<Vec<u32>>,
+    /// The surfaces of the free-form faces.
+    pub free: BTreeMap<usize, FreeSurface>,
 }
 
 /// The seams of one face.
@@ -112,7 +115,8 @@ struct FaceSeams<'a> {
 impl FaceBuilder<'_> {
     /// Adds the face of a patch, or its faces if cuts divide it.
     pub fn face(&mut self, i: usize, plan: &FacePlan) -> Result<(), SeamFault> {
-        if self.bent_face(i).map_err(|why| SeamFault::new(&[i], why))? {
+        let is_made = if self.work.is_free(i) { self.free_face(i) } else { self.bent_face(i) };
+        if is_made.map_err(|why| SeamFault::new(&[i], why))? {
             return Ok(());
         }
         let side = self.work.patches[i].side;
@@ -316,7 +320,10 @@ impl FaceBuilder<'_> {
         for (&(chain, forward), uv) in run.uses.iter().zip(&run.uv) {
             let (first, last) = (uv[0], uv[uv.len() - 1]);
             let ends = if forward { [first, last] } else { [last, first] };
-            let (pcurve, gap) = pcurve(chart, &self.brep.edges[chain].curve, ends)?;
+            let (pcurve, gap) = {
+                let is_led = self.work.pair(&self.network.chains[chain]).is_led();
+                pcurve(chart, &self.brep.edges[chain].curve, ends, is_led)?
+            };
             let is_plane = matches!(chart.surface, BrepSurface::Plane { .. });
             let loose = self.work.limit_at(self.network.chains[chain].error);
             let limit = if is_plane { EXACT } else { loose };

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{FacePatch, Fallback, Work};
+use super::{FacePatch, FacetForm, Fallback, Work};
 use crate::geometry::sets::Sets;
 use crate::primitives::PrimitiveKind;
 
@@ -110,7 +110,7 @@ impl Work<'_> {
         triangles.flat_map(|&t| self.mesh.triangles[t as usize].map(|v| v.0)).collect()
     }
 
-    fn neighbours(&self, patches: &[usize]) -> Vec<usize> {
+    pub(super) fn neighbours(&self, patches: &[usize]) -> Vec<usize> {
         let mut found = BTreeSet::new();
         for &t in patches.iter().flat_map(|&i| &self.patches[i].triangles) {
             let sides = 3 * t as usize..3 * t as usize + 3;
@@ -156,19 +156,29 @@ impl Work<'_> {
         let is_lost = |t: &u32| triangles.contains(t);
         let (lost, kept): (Vec<u32>, Vec<u32>) = old.triangles.iter().partition(|t| is_lost(t));
         // A facet falls into triangles, but for thin ones, and those too if it fails again.
-        let flat = match old.is_facet && (self.tries[i] > 0 || old.is_bent) {
+        let flat = match old.is_facet && (self.tries[i] > 0 || matches!(old.form, FacetForm::Bent))
+        {
             true => Sets::new(lost.len()),
             false => self.flat_sets(&lost, !old.is_facet && self.is_curved(i)),
         };
         let pick = |set: &[u32], from: &[u32]| set.iter().map(|&k| from[k as usize]).collect();
         let mut made: Vec<(FacePatch, u32)> = Vec::new();
         for set in self.joined(&kept).members() {
-            made.push((FacePatch { triangles: pick(&set, &kept), ..old }, self.tries[i] + 1));
+            made.push((
+                FacePatch { triangles: pick(&set, &kept), ..old.clone() },
+                self.tries[i] + 1,
+            ));
         }
         for set in flat.members() {
             let triangles: Vec<u32> = pick(&set, &lost);
             let tries = u32::from(old.is_facet);
-            let facet = FacePatch { is_facet: true, is_bent: false, side: 1.0, triangles, ..old };
+            let facet = FacePatch {
+                is_facet: true,
+                form: FacetForm::Flat,
+                side: 1.0,
+                triangles,
+                ..old.clone()
+            };
             made.push((facet, tries));
         }
         let mut made = made.into_iter();

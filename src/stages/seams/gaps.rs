@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use super::rims::{OFF_RIM, Rim, directions, rims};
 use super::triangulation::{Triangulation, triangulated};
 use super::vertices::placed;
-use super::{EXACT, FacePatch, SolidFault};
+use super::{EXACT, FacePatch, FacetForm, SolidFault};
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{EdgeMap, Mesh, boundary, cut_up};
 use crate::primitives::Primitive;
@@ -183,8 +183,13 @@ impl GapClosure {
                 let triangles = Vec::new();
                 // The plane of a single triangle follows its corners.
                 let is_facet = ring.len() == 3;
-                let patch =
-                    FacePatch { surface: plane, side: 1.0, is_facet, is_bent: false, triangles };
+                let patch = FacePatch {
+                    surface: plane,
+                    side: 1.0,
+                    is_facet,
+                    form: FacetForm::Flat,
+                    triangles,
+                };
                 self.closed.patches.push(patch);
                 (self.closed.patches.len() - 1, GapFill::Plane)
             }

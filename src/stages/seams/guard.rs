@@ -1,12 +1,15 @@
 //! The solid against the mesh: all corners are on their faces, and areas and the volume are what the mesh allows.
 
+use std::collections::BTreeMap;
+
 use formats::Brep;
 use formats::brep::{FaceId, ShellId};
 
 use super::fallback::SeamFault;
+use super::free_face::FreeSurface;
 use super::network::ChainNetwork;
 use super::shell::none;
-use super::{EXACT, Work};
+use super::{EXACT, Work, leading};
 use crate::geometry::{Point, VertexId};
 use crate::primitives::Primitive;
 
@@ -75,12 +78,14 @@ impl Work<'_> {
         brep: &Brep,
         strips: &[f64],
         patch_of: &[usize],
+        free: &BTreeMap<usize, FreeSurface>,
     ) -> Result<(), Vec<SeamFault>> {
         let mut areas = vec![0.0; strips.len()];
-        patch_of.iter().enumerate().for_each(|(n, &i)| areas[i] += brep.face_area(FaceId(n)));
+        let known = patch_of.iter().enumerate().filter(|of| !free.contains_key(of.1));
+        known.for_each(|(n, &i)| areas[i] += brep.face_area(FaceId(n)));
         let mut worst: (f64, Vec<usize>) = (0.0, Vec::new());
         let mut faults = Vec::new();
-        for (i, &strip) in strips.iter().enumerate() {
+        for (i, &strip) in strips.iter().enumerate().filter(|of| !free.contains_key(&of.0)) {
             let own = areas[i];
             let [low, meshed, high] = self.areas(i, strip);
             if !(own >= low && own <= high) {
@@ -97,7 +102,7 @@ impl Work<'_> {
             return Ok(());
         }
         let volume = brep.volume(ShellId(0));
-        let [low, high] = self.volumes();
+        let [low, high] = self.volumes(free);
         if volume >= low && volume <= high {
             return Ok(());
         }
@@ -119,10 +124,17 @@ impl Work<'_> {
                 offs[0] = (network.vertices[ends[0]] - places[0]).norm();
                 offs[last] = (network.vertices[ends[1]] - places[last]).norm();
             }
+            let mut bend = 0.0;
+            if pair.is_led() {
+                for (off, &p) in offs.iter_mut().zip(&places) {
+                    *off = off.max(leading::off_polygon(&chain.points, p));
+                }
+                bend = leading::bend(&chain.points);
+            }
             let parts = places.windows(2).zip(offs.windows(2));
             let of = |(ends, offs): (&[Point], &[f64])| {
-                let middle = off(nalgebra::center(&ends[0], &ends[1]));
-                (ends[1] - ends[0]).norm() * middle.max(offs[0]).max(offs[1])
+                let middle = off(nalgebra::center(&ends[0], &ends[1])) + bend;
+                (ends[1] - ends[0]).norm() * (middle + offs[0].max(offs[1]))
             };
             let area: f64 = parts.map(of).sum();
             for side in [chain.left, chain.right] {
@@ -172,16 +184,21 @@ impl Work<'_> {
 
     /// The bounds of the volume: that of the mesh, and each triangle's area times its largest distance from the surface
     /// on either side.
-    fn volumes(&self) -> [f64; 2] {
+    fn volumes(&self, free: &BTreeMap<usize, FreeSurface>) -> [f64; 2] {
         let (mut volume, mut size) = (0.0, 0.0);
         let (mut low, mut high) = (0.0, 0.0);
-        for patch in &self.patches {
+        for (i, patch) in self.patches.iter().enumerate() {
             for &t in &patch.triangles {
                 let [a, b, c] = self.mesh.corners(self.mesh.triangles[t as usize]);
                 let cone = a.coords.dot(&b.coords.cross(&c.coords)) / 6.0;
                 volume += cone;
                 size += cone.abs();
                 let area = 0.5 * (b - a).cross(&(c - a)).norm();
+                if let Some(surface) = free.get(&i) {
+                    low += area * surface.off;
+                    high += area * surface.off;
+                    continue;
+                }
                 let middle = Point::from((a.coords + b.coords + c.coords) / 3.0);
                 let places = [
                     middle,

@@ -17,6 +17,16 @@ pub(super) fn through<const D: usize>(
         return Err("a curve through less than two points".into());
     }
     let slopes = if is_closed && n > 3 { closed_slopes(t, points) } else { slopes(t, points) };
+    with_slopes(t, points, &slopes)
+}
+
+/// The curve through points at rising parameters with given derivatives there.
+pub(super) fn with_slopes<const D: usize>(
+    t: &[f64],
+    points: &[[f64; D]],
+    slopes: &[[f64; D]],
+) -> Result<SplineCurve<D>, String> {
+    let n = t.len();
     let mut poles = vec![points[0]];
     let mut knots = vec![t[0]; 4];
     for i in 0..n - 1 {
@@ -47,6 +57,11 @@ fn closed_slopes<const D: usize>(t: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]
     let mut own = all[AROUND..=AROUND + n].to_vec();
     own[n] = own[0];
     own
+}
+
+/// The derivatives at its points of the curve through them.
+pub(super) fn derivatives<const D: usize>(t: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]> {
+    slopes(t, points)
 }
 
 /// The slopes of the interpolating cubic spline. Those at the ends are of the polynomial through the five points there.

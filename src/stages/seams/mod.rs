@@ -5,7 +5,8 @@
 //! one that faces the other way. The mesh edges between two patches are chained, the chains are
 //! projected onto both surfaces, and become lines, arcs or cubic B-splines. Vertices lie on all surfaces around them.
 //!
-//! Where that fails, the triangles next to the place become flat faces, and the whole patch if it fails again.
+//! Where that fails, the triangles next to the place become flat faces, and the whole patch if it fails again. Facets that hang together can
+//! become free-form faces in the end.
 //! [`Report::fallbacks`] names the place. The largest gap between an edge and its faces is what modelling kernels take
 //! for exact, or the rounding of the file if that is larger. The model states it as its uncertainty.
 //!
@@ -16,17 +17,21 @@ mod agreement;
 mod arches;
 mod bores;
 mod chart;
-
+mod coons;
 mod crossings;
 mod curves;
 mod domain;
 mod faces;
 mod facets;
 mod fallback;
+mod followed;
+mod free_face;
+mod free_form;
 mod gap_checks;
 mod gaps;
 mod guard;
 mod hermite;
+mod leading;
 mod network;
 mod pcurves;
 mod perimeter;
@@ -40,7 +45,10 @@ mod triangulation;
 mod vertices;
 mod walls;
 
+use std::sync::Arc;
+
 use formats::Brep;
+pub use free_form::FreeForm;
 pub use gaps::{ClosedGap, ClosedMesh, GapFill, close_gaps};
 use stretches::{RimStretches, WallKind};
 
@@ -57,10 +65,22 @@ pub struct FacePatch {
     pub side: f64,
     /// Whether the surface is only the plane of a facet. Its vertices are then corners of the face.
     pub is_facet: bool,
-    /// Whether a facet of two triangles has no plane. Its edges are its border, and its surface is laid through them.
-    pub is_bent: bool,
+    /// What kind of facet it is, if it is one.
+    pub form: FacetForm,
     /// The triangles.
     pub triangles: Vec<u32>,
+}
+
+/// A kind of facet.
+#[derive(Debug, Clone, Default)]
+pub enum FacetForm {
+    /// A triangle, or triangles in a plane.
+    #[default]
+    Flat,
+    /// Two triangles that have no plane. The surface is laid through their four edges.
+    Bent,
+    /// Facets that hang together. The surface is a B-spline through their border.
+    Free(Arc<FreeForm>),
 }
 
 /// What a caller decides.
@@ -70,6 +90,8 @@ pub struct Options {
     pub name: String,
     /// The least share of the area that must not become facets, from 0 to 1. What needs more is given up early.
     pub least_exact: f64,
+    /// Whether facets that hang together become free-form faces.
+    pub free_form: bool,
 }
 
 /// A face of which some or all triangles became facets.
@@ -92,6 +114,8 @@ pub struct Report {
     pub patches: Vec<FacePatch>,
     /// The faces that are facets only.
     pub facets: usize,
+    /// The free-form faces, which take the place of other facets.
+    pub free_forms: usize,
     /// The faces that became facets here, whole or in part.
     pub fallbacks: Vec<Fallback>,
     /// The largest distance in mm between an edge and its faces.
@@ -152,6 +176,8 @@ const EXACT: f64 = 8e-8;
 /// What all steps of one shell read.
 struct Work<'a> {
     mesh: &'a Mesh,
+    /// The mean length of the edges of the mesh in mm.
+    edge: f64,
     /// The errors of the vertices. Loose edges of the model add to the rounding.
     errors: Vec<f64>,
     /// The farthest that loose edges put a vertex off its surface, in mm.
@@ -214,10 +240,12 @@ fn made(
     for part in &parts {
         // What one of several parts may lose is not known.
         let least_exact = if parts.len() == 1 { options.least_exact } else { 0.0 };
-        let (shell, own) = Work::new(part).made(least_exact)?;
+        let work = Work::new(part);
+        let (shell, own) = work.made(least_exact, options.free_form)?;
         made.push(shell);
         report.patches.extend(own.patches.into_iter().map(|patch| part.in_whole(patch)));
         report.facets += own.facets;
+        report.free_forms += own.free_forms;
         report.fallbacks.extend(own.fallbacks);
         report.gap = report.gap.max(own.gap);
     }
@@ -248,6 +276,7 @@ impl<'a> Work<'a> {
     fn new(part: &'a shells::ShellPart) -> Self {
         let mut work = Work {
             mesh: &part.mesh,
+            edge: mean_edge(&part.mesh),
             errors: part.errors.clone(),
             loose: 0.0,
             limit: part.errors.iter().copied().fold(EXACT, f64::max),
@@ -271,7 +300,7 @@ impl<'a> Work<'a> {
     }
 
     /// Tries to make the shell until nothing fails.
-    fn made(mut self, least_exact: f64) -> Result<(Brep, Report), SolidFault> {
+    fn made(mut self, least_exact: f64, free_form: bool) -> Result<(Brep, Report), SolidFault> {
         let mut fallbacks = Vec::new();
         let mut faults = self.loosen();
         loop {
@@ -283,9 +312,12 @@ impl<'a> Work<'a> {
             check_facets(self.mesh, &self.patches, &fallbacks, least_exact)?;
             self.number();
             match shell::shell(&mut self) {
-                Ok(shell::BuiltShell { brep, gap, patches }) => {
-                    let facets = patches.iter().filter(|p| p.is_facet).count();
-                    return Ok((brep, Report { patches, facets, fallbacks, gap }));
+                Ok(built) => {
+                    let built = if free_form { self.with_free_forms(built) } else { built };
+                    let shell::BuiltShell { brep, gap, patches } = built;
+                    let free_forms = patches.iter().filter(|p| p.free_form().is_some()).count();
+                    let facets = patches.iter().filter(|p| p.is_facet).count() - free_forms;
+                    return Ok((brep, Report { patches, facets, free_forms, fallbacks, gap }));
                 }
                 Err(found) => faults = found,
             }
@@ -299,7 +331,24 @@ impl<'a> Work<'a> {
     }
 }
 
+fn mean_edge(mesh: &Mesh) -> f64 {
+    let count = 3 * mesh.triangles.len();
+    let long = |side: usize| {
+        let (a, b) = mesh.side(side);
+        (mesh.point(a) - mesh.point(b)).norm()
+    };
+    (0..count).map(long).sum::<f64>() / count.max(1) as f64
+}
+
 impl FacePatch {
+    /// What is known of it if it is a free-form face.
+    pub fn free_form(&self) -> Option<&FreeForm> {
+        match &self.form {
+            FacetForm::Free(form) => Some(form),
+            _ => None,
+        }
+    }
+
     /// The area of its triangles.
     fn area(&self, mesh: &Mesh) -> f64 {
         let of = |&t: &u32| mesh.area_vector(mesh.triangles[t as usize]).norm();
@@ -313,6 +362,6 @@ impl FacePatch {
         let normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vector::z);
         let origin = triangles.first().map_or_else(Point::origin, |t| mesh.point(of(t)[0]));
         let surface = Primitive::Plane { origin, normal };
-        FacePatch { surface, side: 1.0, is_facet: true, is_bent: false, triangles }
+        FacePatch { surface, side: 1.0, is_facet: true, form: FacetForm::Flat, triangles }
     }
 }

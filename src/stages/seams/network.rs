@@ -3,7 +3,7 @@
 use super::Work;
 use super::arches::Arch;
 use super::fallback::SeamFault;
-use crate::geometry::{Point, VertexId};
+use crate::geometry::{Point, Vector, VertexId};
 use crate::primitives::Primitive;
 
 /// Mesh edges between the same two patches. The left one is on the left of the direction, seen from outside.
@@ -22,6 +22,8 @@ pub(super) struct Chain {
     /// The edge between a facet and a curved face, as a whole, and the plane that it lies in.
     pub arch: Option<Arch>,
     pub upright: Option<Primitive>,
+    /// The directions at its ends, if they are known.
+    pub tangents: [Option<Vector>; 2],
     /// The largest error of its mesh vertices.
     pub error: f64,
 }
@@ -136,6 +138,7 @@ impl Work<'_> {
                 touches: false,
                 arch: None,
                 upright: None,
+                tangents: [None; 2],
             });
         }
         self.chain_loops(&mut network, &begins, &lasts)?;
@@ -183,9 +186,10 @@ impl Work<'_> {
         for side in 0..3 * self.mesh.triangles.len() {
             let own = self.of_triangle[side / 3];
             let v = self.mesh.side(side).0.index();
-            if self.patches[own].is_facet {
-                is_junction[v] = true;
-            }
+            is_junction[v] |= match self.patches[own].free_form() {
+                Some(form) => form.is_corner(v),
+                None => self.patches[own].is_facet,
+            };
             if self.is_border(side) {
                 let other = self.across(side);
                 let key = [own.min(other), own.max(other)];

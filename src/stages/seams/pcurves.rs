@@ -3,11 +3,12 @@
 use std::f64::consts::TAU;
 
 use formats::brep::{BrepCurve, BrepSurface, PCurve};
+use nalgebra::{Matrix2, Vector2};
 
 use super::EXACT;
 use super::chart::Chart;
-use super::hermite::through;
-use crate::geometry::Point;
+use super::hermite::{through, with_slopes};
+use crate::geometry::{Point, Vector};
 
 /// A pcurve agrees with its edge within so many mm, a third of the kernels' precision.
 const AGREES: f64 = 3e-8;
@@ -27,11 +28,13 @@ const FEWEST: usize = 33;
 const FEWEST_OF_ARCH: usize = 5;
 const MOST: usize = 1500;
 
-/// The pcurve of an edge between two parameter points, and its largest distance from the edge.
+/// The pcurve of an edge between two parameter points, and its largest distance from the edge. The second derivative of an edge that is led
+/// by points has steps.
 pub(super) fn pcurve(
     chart: &Chart,
     curve: &BrepCurve,
     ends: [[f64; 2]; 2],
+    is_led: bool,
 ) -> Result<(PCurve, f64), String> {
     let (start, end) = curve.range();
     let at = |t: f64| Point::from(curve.point(t));
@@ -79,7 +82,12 @@ pub(super) fn pcurve(
     let off = t.iter().map(of_surface).fold(0.0, f64::max);
     let agrees = if off < AGREES { AGREES } else { TWICE * off };
     loop {
-        let made = PCurve::Spline(through(&t, &parameters(&t), false)?);
+        let uv = parameters(&t);
+        let made = PCurve::Spline(if is_led {
+            with_slopes(&t, &uv, &slopes(chart, curve, &t, &uv))?
+        } else {
+            through(&t, &uv, false)?
+        });
         let middles: Vec<f64> = t.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
         // Between the middle and an end the gap may be larger.
         let beside = |pair: &[f64]| BESIDE.map(|w| pair[0] + w * (pair[1] - pair[0]));
@@ -97,6 +105,19 @@ pub(super) fn pcurve(
         }
         t = finer;
     }
+}
+
+/// The derivatives of the parameters of a curve at given places.
+fn slopes(chart: &Chart, curve: &BrepCurve, t: &[f64], uv: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let of = |(&t, &[u, v]): (&f64, &[f64; 2])| {
+        let [_, su, sv] = chart.surface.tangents(u, v).map(Vector::from);
+        let along = Vector::from(curve.speed(t));
+        let metric = Matrix2::new(su.dot(&su), su.dot(&sv), su.dot(&sv), sv.dot(&sv));
+        let slope =
+            metric.try_inverse().unwrap_or_default() * Vector2::new(along.dot(&su), along.dot(&sv));
+        [slope.x, slope.y]
+    };
+    t.iter().zip(uv).map(of).collect()
 }
 
 /// Parameters between given ones, at least so many.

@@ -54,6 +54,8 @@ impl ChainNetwork {
         let of = &mut self.chains[chain];
         of.points.reverse();
         of.mesh_vertices.reverse();
+        let [first, last] = of.tangents;
+        of.tangents = [last.map(|t| -t), first.map(|t| -t)];
         std::mem::swap(&mut of.left, &mut of.right);
         if let Some(ends) = &mut of.ends {
             ends.reverse();
@@ -88,6 +90,8 @@ impl ChainNetwork {
         let mut second: Chain = of.clone();
         second.points = std::iter::once(p).chain(behind).collect();
         second.ends = Some([vertex, ends[1]]);
+        second.tangents[0] = None;
+        of.tangents[1] = None;
         of.points = before.into_iter().chain([p]).collect();
         of.ends = Some([ends[0], vertex]);
         let [left, right] = [of.left, of.right];

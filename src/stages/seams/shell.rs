@@ -1,5 +1,7 @@
 //! One attempt: chains, vertices, curves, faces, and the checked solid.
 
+use std::collections::BTreeMap;
+
 use formats::Brep;
 use formats::brep::{BrepCurve, BrepElement, FaceId, ModelFault, Shell, VertexId};
 
@@ -51,6 +53,7 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     work.fit_walls(&network);
     work.fit_facets(&network)?;
     work.raise_arches(&mut network);
+    work.fair_borders(&mut network);
     work.refine(&mut network)?;
     let strips = work.strips(&network);
     let plans = work.plans(&mut network)?;
@@ -58,11 +61,18 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     let mut brep = Brep { uncertainty_mm: KERNEL, ..Brep::default() };
     let gap = work.edges(&mut network, &mut brep, &plans)?;
     let (patch_of, triangles) = (Vec::new(), Vec::new());
-    let mut builder =
-        FaceBuilder { work, network: &network, brep: &mut brep, gap, patch_of, triangles };
+    let mut builder = FaceBuilder {
+        work,
+        network: &network,
+        brep: &mut brep,
+        gap,
+        patch_of,
+        triangles,
+        free: BTreeMap::new(),
+    };
     let faces = plans.iter().enumerate().filter(|(i, _)| !work.is_wall(*i));
     none(faces.filter_map(|(i, plan)| builder.face(i, plan).err()).collect())?;
-    let FaceBuilder { gap, patch_of, triangles, .. } = builder;
+    let FaceBuilder { gap, patch_of, triangles, free, .. } = builder;
     brep.uncertainty_mm = KERNEL.max(SLACK * gap);
     let faces = (0..brep.faces.len()).map(FaceId).collect();
     brep.add_shell(Shell { faces, closed: !work.is_open() });
@@ -80,9 +90,9 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
         let vertices = chain.map_or(&[][..], |chain| &chain.mesh_vertices);
         vec![SeamFault::near(&faces.collect::<Vec<_>>(), vertices, fault.to_string())]
     })?;
-    work.guard(&brep, &strips, &patch_of)?;
+    work.guard(&brep, &strips, &patch_of, &free)?;
     let of_face =
-        |(&i, triangles): (&usize, Vec<u32>)| FacePatch { triangles, ..work.patches[i].clone() };
+        |(&i, triangles): (&usize, Vec<u32>)| FacePatch { triangles, ..work.made_patch(i, &free) };
     let patches = patch_of.iter().zip(triangles).map(of_face).collect();
     Ok(BuiltShell { brep, gap, patches })
 }

@@ -4,7 +4,7 @@
 use super::network::{Chain, ChainNetwork, ChainUse};
 use super::rims::OFF_RIM;
 use super::stretches::{RimStretches, WallKind};
-use super::{FacePatch, Work};
+use super::{FacePatch, FacetForm, Work};
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::primitives::Primitive;
 
@@ -45,7 +45,7 @@ impl Work<'_> {
                 surface,
                 side: 1.0,
                 is_facet: true,
-                is_bent: false,
+                form: FacetForm::Flat,
                 triangles,
             });
             self.tries.push(0);

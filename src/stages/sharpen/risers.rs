@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::places::Tear;
 use super::{Riser, Work};
 use crate::geometry::sets::Sets;
-use crate::geometry::{NONE, Point, VertexId};
+use crate::geometry::{NONE, Point, VertexId, faired};
 use crate::mesh::Mesh;
 
 /// More regions around a vertex are all parted from each other, since the ways to part them double with each.
@@ -41,11 +41,6 @@ struct Rail {
     region: u32,
     copies: Vec<u32>,
 }
-
-/// The factors of Taubin's smoothing, whose second step undoes how the first one shrinks, and the number of both steps. They leave waves
-/// of ten edges, and take those of two and three, which are the outline of the triangles.
-const SMOOTHING: [f64; 2] = [0.5, -0.53];
-const SMOOTHED: usize = 10;
 
 /// A way to part the triangles around a vertex.
 struct Parting {
@@ -203,19 +198,8 @@ impl Work<'_> {
         if n < 3 || !is_free.contains(&true) {
             return;
         }
-        let is_closed = rail.copies[0] == rail.copies[n - 1];
-        let mut own: Vec<Point> = rail.copies.iter().map(|&copy| points[copy as usize]).collect();
-        for factor in SMOOTHING.iter().cycle().take(2 * SMOOTHED) {
-            let old = own.clone();
-            for k in (0..n).filter(|&k| is_free[k]) {
-                let (before, behind) = match (k == 0 || k == n - 1, is_closed) {
-                    (false, _) => (old[k - 1], old[k + 1]),
-                    (true, true) => (old[n - 2], old[1]),
-                    (true, false) => continue,
-                };
-                own[k] = old[k] + *factor * (nalgebra::center(&before, &behind) - old[k]);
-            }
-        }
+        let own: Vec<Point> = rail.copies.iter().map(|&copy| points[copy as usize]).collect();
+        let own = faired(&own, |k| is_free[k]);
         let surface = self.surface(rail.region);
         for k in (0..n).filter(|&k| is_free[k]) {
             let at = surface.closest(own[k]);

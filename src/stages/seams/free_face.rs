@@ -1,0 +1,260 @@
+//! The face of a free-form patch: its surface through its border, and whether that is near its triangles.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use formats::brep::{BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, PCurve};
+use formats::spline::SplineCurve;
+
+use super::Work;
+use super::coons::{InnerVertices, PatchSide, coons, spline_of};
+use super::faces::FaceBuilder;
+use super::free_form::FreeForm;
+use super::network::ChainUse;
+use crate::geometry::{Point, Uv, Vector, VertexId};
+use crate::spline::{KnotVector, ParametricSurface, Surface, foot_point};
+
+/// A free-form face is at most this share of the mean edge of the mesh off its triangles. A scan does not tell less of a face than that.
+const MOST_OFF: f64 = 0.5;
+
+/// At most this share of the area of a free-form face is turned over against its triangles. Triangles between surfaces that hardly miss each other
+/// are often turned over themselves.
+const MOST_TURNED: f64 = 0.5;
+
+/// The most parts along the side of a triangle that is compared with its face.
+const MOST_PARTS: usize = 20;
+
+/// The most places in each direction where the normals of neighbours are compared.
+const MOST_COMPARED: usize = 200;
+
+/// A border turns back if its directions at a vertex are opposite but for this angle.
+const TURNS_BACK: f64 = 1e-3;
+
+/// The places where an edge is compared with its face.
+const SAMPLES: usize = 16;
+
+/// The surface of a free-form face, and the farthest that it is off the middles of its triangles.
+pub(super) struct FreeSurface {
+    pub surface: Surface,
+    pub off: f64,
+}
+
+/// The parameters of a place on a side, counterclockwise.
+fn place_on(side: usize, t: f64) -> Uv {
+    match side {
+        0 => Uv::new(t, 0.0),
+        1 => Uv::new(1.0, t),
+        2 => Uv::new(1.0 - t, 1.0),
+        _ => Uv::new(0.0, 1.0 - t),
+    }
+}
+
+/// The pcurve of an edge along a part of a side. It is a line. Programs integrate over a face with as many places as its pcurves have knots, so that
+/// it has those of the edge.
+fn along_side(side: usize, ends: [f64; 2], curve: &BrepCurve) -> Result<PCurve, String> {
+    let (start, end) = curve.range();
+    let at = |t: f64| -> [f64; 2] {
+        let share = (t - start) / (end - start);
+        place_on(side, (ends[0] + share * (ends[1] - ends[0])).clamp(0.0, 1.0)).coords.into()
+    };
+    let breaks = curve.breaks();
+    if breaks.len() < 3 {
+        return PCurve::line(at(start), at(end), (start, end));
+    }
+    let knots = KnotVector::clamped(1, &breaks, 1);
+    let places = breaks.iter().map(|&t| at(t)).collect();
+    Ok(PCurve::Spline(SplineCurve::new(1, knots.knots().to_vec(), places, None)?))
+}
+
+impl FaceBuilder<'_> {
+    /// Adds a free-form face. Returns true.
+    pub(super) fn free_face(&mut self, i: usize) -> Result<bool, String> {
+        let work = self.work;
+        let Some(form) = work.patches[i].free_form() else { return Ok(false) };
+        let [ring] = &self.network.loops[i][..] else {
+            return Err("a free-form face with several loops".into());
+        };
+        let sides = self.sides_of(form, ring)?;
+        let n = ring.len();
+        if (0..n).any(|k| self.turns_back(ring[k], ring[(k + 1) % n])) {
+            return Err("a border that turns back".into());
+        }
+        let curve = |&(chain, forward): &ChainUse| (&self.brep.edges[chain].curve, forward);
+        let made =
+            sides.iter().map(|side| PatchSide::new(&side.iter().map(curve).collect::<Vec<_>>()));
+        let made: [PatchSide; 4] = made
+            .collect::<Result<Vec<_>, String>>()?
+            .try_into()
+            .map_err(|_| "a face without four sides")?;
+        let places = work.places_of(i, form).ok_or("vertices without parameters")?;
+        let on_border: BTreeSet<VertexId> = form.border.iter().copied().collect();
+        let inner = places.iter().filter(|(v, _)| !on_border.contains(v));
+        let inner: Vec<(Uv, Point)> = inner.map(|(&v, &at)| (at, work.mesh.point(v))).collect();
+        let surface = coons(&made, &inner, work.edge)?;
+        if !inner.is_empty() && is_folded(&surface) {
+            return Err("a free-form face that folds".into());
+        }
+        let off = work.off_triangles(i, &surface, &places)?;
+        let spline = spline_of(&surface)?;
+        let mut uses = Vec::with_capacity(ring.len());
+        for (side, (own, made)) in sides.iter().zip(&made).enumerate() {
+            for (&(chain, forward), range) in own.iter().zip(made.breaks.windows(2)) {
+                let ends = if forward { [range[0], range[1]] } else { [range[1], range[0]] };
+                let curve = &self.brep.edges[chain].curve;
+                let pcurve = along_side(side, ends, curve)?;
+                let (start, end) = curve.range();
+                let off = |k: usize| {
+                    let t = start + (end - start) * k as f64 / SAMPLES as f64;
+                    let [u, v] = pcurve.point(t);
+                    (Point::from(spline.point(u, v)) - Point::from(curve.point(t))).norm()
+                };
+                let gap = (0..=SAMPLES).map(off).fold(0.0, f64::max);
+                if gap.is_nan() || gap > work.limit {
+                    return Err(format!("an edge is {gap:.1e} mm off its free-form face"));
+                }
+                self.gap = self.gap.max(gap);
+                uses.push(EdgeUse { edge: EdgeId(chain), forward, pcurve });
+            }
+        }
+        let surface_id = self.brep.add_surface(BrepSurface::Spline(spline));
+        self.brep.add_face(Face { surface: surface_id, forward: true, loops: vec![uses] });
+        self.patch_of.push(i);
+        self.triangles.push(work.patches[i].triangles.clone());
+        self.free.insert(i, FreeSurface { surface, off });
+        Ok(true)
+    }
+
+    /// Whether a border leaves the end of an edge in the direction from which it came. Readers take such edges for one.
+    fn turns_back(&self, before: ChainUse, after: ChainUse) -> bool {
+        let along = |(chain, forward): ChainUse, is_start: bool| {
+            let curve = &self.brep.edges[chain].curve;
+            let (start, end) = curve.range();
+            let along = Vector::from(curve.speed(if is_start == forward { start } else { end }));
+            let along = if forward { along } else { -along };
+            along.try_normalize(0.0).unwrap_or_default()
+        };
+        (along(before, false) + along(after, true)).norm() < TURNS_BACK
+    }
+
+    /// The uses of each side of a free-form face.
+    fn sides_of(&self, form: &FreeForm, ring: &[ChainUse]) -> Result<[Vec<ChainUse>; 4], String> {
+        let start = |&(chain, forward): &ChainUse| {
+            let ends = self.network.chains[chain].ends.unwrap_or_default();
+            ends[usize::from(!forward)]
+        };
+        let place = |k: usize| {
+            let number = self.network.junctions.binary_search(&form.border[k].0).ok()?;
+            ring.iter().position(|of| start(of) == number)
+        };
+        let [a, b, c, d] = form.corners.map(place);
+        let (Some(a), Some(b), Some(c), Some(d)) = (a, b, c, d) else {
+            return Err("a border without its corners".into());
+        };
+        let n = ring.len();
+        let [b, c, d] = [b, c, d].map(|k| (k + n - a) % n);
+        if !(0 < b && b < c && c < d) {
+            return Err("corners in the wrong order".into());
+        }
+        let side = |from: usize, to: usize| (from..to).map(|k| ring[(a + k) % n]).collect();
+        Ok([side(0, b), side(b, c), side(c, d), side(d, n)])
+    }
+}
+
+impl Work<'_> {
+    /// The parameters of the vertices of a free-form face.
+    fn places_of(&self, i: usize, form: &FreeForm) -> Option<BTreeMap<VertexId, Uv>> {
+        let n = form.border.len();
+        let mut border = BTreeMap::new();
+        for side in 0..4 {
+            let (from, to) =
+                (form.corners[side], if side < 3 { form.corners[side + 1] } else { n });
+            let mut along = vec![0.0];
+            for k in from..to {
+                let [p, q] = [k, k + 1].map(|k| self.mesh.point(form.border[k % n]));
+                along.push(along[k - from] + (q - p).norm());
+            }
+            let whole = along[to - from];
+            for k in from..to {
+                border.insert(form.border[k], place_on(side, along[k - from] / whole));
+            }
+        }
+        let mut inner: BTreeMap<VertexId, Vec<VertexId>> = BTreeMap::new();
+        for &t in &self.patches[i].triangles {
+            let corners = self.mesh.triangles[t as usize];
+            for k in 0..3 {
+                if !border.contains_key(&corners[k]) {
+                    inner.entry(corners[k]).or_default().push(corners[(k + 1) % 3]);
+                }
+            }
+        }
+        InnerVertices { border, inner }.places()
+    }
+
+    /// The farthest that a surface is off the triangles of a free-form face. An error if it is too far or turned over.
+    fn off_triangles(
+        &self,
+        i: usize,
+        surface: &Surface,
+        places: &BTreeMap<VertexId, Uv>,
+    ) -> Result<f64, String> {
+        let (mut worst, mut turned, mut whole): (f64, f64, f64) = (0.0, 0.0, 0.0);
+        for &t in &self.patches[i].triangles {
+            let corners = self.mesh.triangles[t as usize];
+            let points = self.mesh.corners(corners).map(|p| p.coords);
+            let starts = corners.map(|v| places.get(&v).copied().unwrap_or_default().coords);
+            let [a, b, c] = points;
+            let area = (b - a).cross(&(c - a));
+            let long = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+            let parts = ((long / self.edge).ceil() as usize).clamp(1, MOST_PARTS);
+            for [x, y, z] in middles(parts) {
+                let p = Point::from(x * a + y * b + z * c);
+                let start = Uv::from(x * starts[0] + y * starts[1] + z * starts[2]);
+                let (at, off) = foot_point(surface, p, start);
+                worst = worst.max(off);
+                let jet = ParametricSurface::jet(surface, at);
+                let share = area.norm() / (parts * parts) as f64;
+                whole += share;
+                if jet.su.cross(&jet.sv).dot(&area) < 0.0 {
+                    turned += share;
+                }
+            }
+        }
+        if turned > MOST_TURNED * whole {
+            return Err("a free-form face that folds".into());
+        }
+        if worst > MOST_OFF * self.edge {
+            return Err(format!("a free-form face is {worst:.1e} mm off its triangles"));
+        }
+        Ok(worst)
+    }
+}
+
+/// The shares of the corners of a triangle in the middles of its parts, of which there are the square of a number.
+fn middles(parts: usize) -> impl Iterator<Item = [f64; 3]> {
+    let at = move |i: usize, j: usize, third: f64| {
+        let [x, y] = [i, j].map(|k| (k as f64 + third) / parts as f64);
+        [1.0 - x - y, x, y]
+    };
+    (0..parts).flat_map(move |i| {
+        let upright = (0..parts - i).map(move |j| at(i, j, 1.0 / 3.0));
+        upright.chain((0..parts - i - 1).map(move |j| at(i, j, 2.0 / 3.0)))
+    })
+}
+
+/// Whether the normals of a surface turn by more than a right angle between neighbouring places.
+fn is_folded(surface: &Surface) -> bool {
+    let places = [&surface.u, &surface.v].map(|knots| {
+        let all = knots.middles(1);
+        let step = all.len().div_ceil(MOST_COMPARED).max(1);
+        all.into_iter().step_by(step).collect::<Vec<f64>>()
+    });
+    let normal = |u: f64, v: f64| {
+        let jet = ParametricSurface::jet(surface, Uv::new(u, v));
+        jet.su.cross(&jet.sv)
+    };
+    let rows: Vec<Vec<Vector>> =
+        places[0].iter().map(|&u| places[1].iter().map(|&v| normal(u, v)).collect()).collect();
+    let turns = |a: &Vector, b: &Vector| a.dot(b) < 0.0;
+    let within = |row: &Vec<Vector>| row.windows(2).any(|pair| turns(&pair[0], &pair[1]));
+    let between = |rows: &[Vec<Vector>]| rows[0].iter().zip(&rows[1]).any(|(a, b)| turns(a, b));
+    rows.iter().any(within) || rows.windows(2).any(between)
+}

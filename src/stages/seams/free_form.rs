@@ -1,0 +1,315 @@
+//! Free-form faces in place of facets that hang together. Each is a B-spline surface through its border: no edge of it crosses the face.
+//!
+//! The border runs through the vertices of the mesh, smoothly and on the faces beside it. Four corners divide it into the sides of the surface,
+//! and the vertices inside bend it. A face that leaves its triangles or folds is divided into halves, and into facets at last.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+use super::fallback::SeamFault;
+use super::free_face::FreeSurface;
+use super::shell::{BuiltShell, shell};
+use super::{FacePatch, FacetForm, Work};
+use crate::geometry::VertexId;
+use crate::geometry::sets::Sets;
+use crate::spline::Surface;
+
+/// Faces are divided so often. Each time halves them, so that facets are left in the end.
+const ROUNDS: usize = 24;
+
+/// The vertices of a border that may become corners: those with the sharpest angles, and some in even distances.
+const SHARPEST: usize = 12;
+const EVEN: usize = 8;
+
+/// The facets that a free-form face takes the place of, and its surface.
+#[derive(Debug)]
+pub struct FreeForm {
+    facets: Vec<FacePatch>,
+    /// The border counterclockwise, from a corner on.
+    pub(super) border: Vec<VertexId>,
+    /// The places of the four corners in the border.
+    pub(super) corners: [usize; 4],
+    surface: Option<Surface>,
+    off: f64,
+}
+
+impl FreeForm {
+    /// Whether sides of the surface end at a vertex of the mesh.
+    pub(super) fn is_corner(&self, v: usize) -> bool {
+        self.corners.iter().any(|&k| self.border[k].index() == v)
+    }
+
+    /// The surface of a face that was made.
+    pub fn surface(&self) -> Option<&Surface> {
+        self.surface.as_ref()
+    }
+
+    /// The farthest that it is off its triangles, in mm.
+    pub fn off(&self) -> f64 {
+        self.off
+    }
+}
+
+/// A vertex that may be a corner.
+struct Candidate {
+    place: usize,
+    /// How far along the border it is.
+    along: f64,
+    /// What is lost if it is a corner. A side without one where the border turns would have a kink.
+    cost: f64,
+}
+
+impl Work<'_> {
+    pub(super) fn is_free(&self, i: usize) -> bool {
+        self.patches[i].free_form().is_some()
+    }
+
+    /// The shell with free-form faces in place of its facets as far as that is valid.
+    pub(super) fn with_free_forms(mut self, built: BuiltShell) -> BuiltShell {
+        if self.is_open() {
+            return built;
+        }
+        let (facets, exact): (Vec<_>, Vec<_>) =
+            self.patches.drain(..).partition(|patch| patch.is_facet);
+        self.patches = exact;
+        self.patches.extend(self.hung_together(facets));
+        for _ in 0..ROUNDS {
+            if !self.patches.iter().any(|patch| patch.free_form().is_some()) {
+                break;
+            }
+            self.tries = vec![0; self.patches.len()];
+            self.number();
+            match shell(&mut self) {
+                Ok(better) => return better,
+                Err(faults) if self.divide(&faults) => {}
+                Err(_) => break,
+            }
+        }
+        built
+    }
+
+    /// The facets with free-form faces in place of those that hang together.
+    fn hung_together(&self, facets: Vec<FacePatch>) -> Vec<FacePatch> {
+        let neighbours = self.neighbouring(&facets);
+        let mut sets = Sets::new(facets.len());
+        for (k, others) in neighbours.iter().enumerate() {
+            others.iter().for_each(|&other| sets.join(k, other));
+        }
+        let pick = |set: &Vec<u32>| set.iter().map(|&k| facets[k as usize].clone()).collect();
+        sets.members().iter().flat_map(|set| self.joined_facets(pick(set))).collect()
+    }
+
+    /// A free-form face of facets that hang together. What has no border of one loop is divided.
+    fn joined_facets(&self, facets: Vec<FacePatch>) -> Vec<FacePatch> {
+        if facets.len() == 1 {
+            return facets;
+        }
+        match self.free_form_of(&facets) {
+            Some(form) => {
+                let triangles = facets.iter().flat_map(|of| of.triangles.clone()).collect();
+                let form = FreeForm { facets, ..form };
+                let joined = FacePatch::facet(self.mesh, triangles);
+                vec![FacePatch { form: FacetForm::Free(Arc::new(form)), ..joined }]
+            }
+            None => self.divided(facets),
+        }
+    }
+
+    /// The free-form faces of both halves of facets that hang together.
+    fn divided(&self, facets: Vec<FacePatch>) -> Vec<FacePatch> {
+        let neighbours = self.neighbouring(&facets);
+        let distances = |from: usize| {
+            let mut far = vec![usize::MAX; facets.len()];
+            far[from] = 0;
+            let mut queue = VecDeque::from([from]);
+            while let Some(k) = queue.pop_front() {
+                for &other in &neighbours[k] {
+                    if far[other] == usize::MAX {
+                        far[other] = far[k] + 1;
+                        queue.push_back(other);
+                    }
+                }
+            }
+            far
+        };
+        let farthest = |far: &[usize]| (0..far.len()).max_by_key(|&k| (far[k], k)).unwrap_or(0);
+        let one = farthest(&distances(0));
+        let of_one = distances(one);
+        let of_other = distances(farthest(&of_one));
+        let is_near = |k: usize| of_one[k] <= of_other[k];
+        let half = |is_first: bool| {
+            let own = (0..facets.len()).filter(|&k| is_near(k) == is_first);
+            own.map(|k| facets[k].clone()).collect()
+        };
+        [true, false].into_iter().flat_map(|k| self.joined_facets(half(k))).collect()
+    }
+
+    /// For each facet those that share an edge with it.
+    fn neighbouring(&self, facets: &[FacePatch]) -> Vec<BTreeSet<usize>> {
+        let mut of: BTreeMap<u32, usize> = BTreeMap::new();
+        for (k, facet) in facets.iter().enumerate() {
+            of.extend(facet.triangles.iter().map(|&t| (t, k)));
+        }
+        let beside = |facet: &FacePatch, k: usize| {
+            let sides = facet.triangles.iter().flat_map(|&t| 3 * t as usize..3 * t as usize + 3);
+            let twins = sides.filter_map(|side| self.edges.across(side));
+            let others = twins.filter_map(|twin| of.get(&((twin / 3) as u32)).copied());
+            others.filter(|&other| other != k).collect()
+        };
+        facets.iter().enumerate().map(|(k, facet)| beside(facet, k)).collect()
+    }
+
+    /// The border and the corners of a free-form face, if its facets have one border.
+    fn free_form_of(&self, facets: &[FacePatch]) -> Option<FreeForm> {
+        let triangles: BTreeSet<u32> = facets.iter().flat_map(|of| of.triangles.clone()).collect();
+        let border = self.border_of(&triangles)?;
+        let corners = self.corners_of_border(&border, &triangles)?;
+        let border = [&border[corners[0]..], &border[..corners[0]]].concat();
+        let corners = corners.map(|k| (k + border.len() - corners[0]) % border.len());
+        Some(FreeForm { facets: Vec::new(), border, corners, surface: None, off: 0.0 })
+    }
+
+    /// The border of some triangles counterclockwise, if they are a disk.
+    fn border_of(&self, triangles: &BTreeSet<u32>) -> Option<Vec<VertexId>> {
+        let mut next: BTreeMap<VertexId, VertexId> = BTreeMap::new();
+        let mut vertices = BTreeSet::new();
+        let mut inner = 0;
+        for side in triangles.iter().flat_map(|&t| 3 * t as usize..3 * t as usize + 3) {
+            let (from, to) = self.mesh.side(side);
+            vertices.insert(from);
+            let twin = self.edges.across(side)?;
+            if triangles.contains(&((twin / 3) as u32)) {
+                inner += 1;
+            } else if next.insert(from, to).is_some() {
+                return None;
+            }
+        }
+        // Euler's number of a disk is 1.
+        let edges = inner / 2 + next.len();
+        if vertices.len() + triangles.len() != edges + 1 {
+            return None;
+        }
+        let (&first, &second) = next.first_key_value()?;
+        let mut border = vec![first];
+        let mut at = second;
+        while at != first {
+            border.push(at);
+            at = *next.get(&at)?;
+        }
+        (border.len() == next.len()).then_some(border)
+    }
+
+    /// The four vertices of a border between which its sides are best: right angles, and opposite sides of the same length.
+    fn corners_of_border(
+        &self,
+        border: &[VertexId],
+        triangles: &BTreeSet<u32>,
+    ) -> Option<[usize; 4]> {
+        let n = border.len();
+        let mut angles: BTreeMap<VertexId, f64> = border.iter().map(|&v| (v, 0.0)).collect();
+        for &t in triangles {
+            let corners = self.mesh.triangles[t as usize];
+            for k in 0..3 {
+                let [p, q, r] = [0, 1, 2].map(|j| self.mesh.point(corners[(k + j) % 3]));
+                if let Some(angle) = angles.get_mut(&corners[k]) {
+                    *angle += (q - p).angle(&(r - p));
+                }
+            }
+        }
+        let mut along = vec![0.0];
+        for k in 0..n {
+            let step = self.mesh.point(border[(k + 1) % n]) - self.mesh.point(border[k]);
+            along.push(along[k] + step.norm());
+        }
+        let whole = along[n];
+        let cost = |k: usize| {
+            let angle = angles[&border[k]];
+            (angle - FRAC_PI_2).powi(2) - (PI - angle).max(0.0).powi(2)
+        };
+        let mut sharp: Vec<usize> = (0..n).collect();
+        sharp.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)).then(a.cmp(&b)));
+        let mut places: BTreeSet<usize> = sharp.into_iter().take(SHARPEST).collect();
+        let even = |k: usize| along[..n].partition_point(|&s| s < whole * k as f64 / EVEN as f64);
+        places.extend((0..EVEN).map(even).filter(|&k| k < n));
+        let candidate = |place: usize| Candidate { place, along: along[place], cost: cost(place) };
+        let candidates: Vec<Candidate> = places.into_iter().map(candidate).collect();
+        let unlike = |a: f64, b: f64| (a / b).ln().powi(2);
+        let mut best: Option<(f64, [usize; 4])> = None;
+        for (a, first) in candidates.iter().enumerate() {
+            for (b, second) in candidates.iter().enumerate().skip(a + 1) {
+                for (c, third) in candidates.iter().enumerate().skip(b + 1) {
+                    for fourth in &candidates[c + 1..] {
+                        let sides = [
+                            second.along - first.along,
+                            third.along - second.along,
+                            fourth.along - third.along,
+                            whole + first.along - fourth.along,
+                        ];
+                        let all = [first, second, third, fourth];
+                        let found = all.iter().map(|of| of.cost).sum::<f64>()
+                            + unlike(sides[0], sides[2])
+                            + unlike(sides[1], sides[3]);
+                        if best.is_none_or(|(least, _)| found < least) {
+                            best = Some((found, all.map(|of| of.place)));
+                        }
+                    }
+                }
+            }
+        }
+        // The second side is one of the two long ones: programs integrate over faces with few places along u.
+        best.map(|(_, [a, b, c, d])| {
+            let long = |from: usize, to: usize| (along[to] - along[from]).rem_euclid(whole);
+            let turned = long(a, b) + long(c, d) > long(b, c) + long(d, a);
+            if turned { [b, c, d, a] } else { [a, b, c, d] }
+        })
+    }
+
+    /// Divides the free-form faces at the faults. Returns false if there are none.
+    fn divide(&mut self, faults: &[SeamFault]) -> bool {
+        let mut failed: BTreeSet<usize> = BTreeSet::new();
+        for fault in faults {
+            let own = fault.patches.iter().copied().filter(|&i| self.is_free(i));
+            let mut own: BTreeSet<usize> = own.collect();
+            if own.is_empty() {
+                let beside = self.neighbours(&fault.patches).into_iter();
+                own.extend(beside.filter(|&i| self.is_free(i)));
+                let at: BTreeSet<usize> =
+                    own.iter().copied().filter(|&i| self.touches(i, &fault.vertices)).collect();
+                if !at.is_empty() {
+                    own = at;
+                }
+            }
+            failed.extend(own);
+        }
+        let mut patches = Vec::new();
+        for (i, patch) in std::mem::take(&mut self.patches).into_iter().enumerate() {
+            match patch.free_form().filter(|_| failed.contains(&i)) {
+                Some(form) => patches.extend(self.divided(form.facets.clone())),
+                None => patches.push(patch),
+            }
+        }
+        self.patches = patches;
+        !failed.is_empty()
+    }
+
+    fn touches(&self, i: usize, vertices: &[u32]) -> bool {
+        let corners = self.patches[i].triangles.iter();
+        let mut corners = corners.flat_map(|&t| self.mesh.triangles[t as usize]);
+        corners.any(|v| vertices.contains(&v.0))
+    }
+
+    /// A patch with the surface that was made for it.
+    pub(super) fn made_patch(&self, i: usize, free: &BTreeMap<usize, FreeSurface>) -> FacePatch {
+        let patch = self.patches[i].clone();
+        let (Some(form), Some(made)) = (patch.free_form(), free.get(&i)) else { return patch };
+        let form = FreeForm {
+            facets: Vec::new(),
+            border: form.border.clone(),
+            corners: form.corners,
+            surface: Some(made.surface.clone()),
+            off: made.off,
+        };
+        FacePatch { form: FacetForm::Free(Arc::new(form)), ..patch }
+    }
+}
