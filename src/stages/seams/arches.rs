@@ -8,7 +8,7 @@ use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::DMatrix;
 
 use super::chart::array;
-use super::curves::{Course, Pair, SPLINE};
+use super::curves::{Pair, SPLINE, SeamKind};
 use super::faces::FaceBuilder;
 use super::network::{Chain, ChainNetwork, ChainUse};
 use super::{EXACT, FacetForm, Work};
@@ -264,20 +264,20 @@ impl Work<'_> {
     pub(super) fn pair<'a>(&'a self, chain: &'a Chain) -> Pair<'a> {
         let sides = [chain.left, chain.right];
         let [a, b] = sides.map(|i| &self.patches[i].surface);
-        let course = if chain.touches { Course::Touches } else { Course::Crosses };
+        let kind = if chain.touches { SeamKind::Touches } else { SeamKind::Crosses };
         if sides.iter().any(|&i| self.is_free(i)) {
             return match sides.into_iter().find(|&i| self.holds_edges(i)) {
                 Some(i) => {
                     let only = &self.patches[i].surface;
-                    Pair { a: only, b: only, course: Course::Follows }
+                    Pair { a: only, b: only, kind: SeamKind::Follows }
                 }
-                None => Pair { a, b, course: Course::Loose },
+                None => Pair { a, b, kind: SeamKind::Loose },
             };
         }
         match (&chain.upright, self.is_bent(chain.left)) {
-            (None, _) => Pair { a, b, course },
-            (Some(plane), true) => Pair { a: b, b: plane, course: Course::Crosses },
-            (Some(plane), false) => Pair { a, b: plane, course: Course::Crosses },
+            (None, _) => Pair { a, b, kind },
+            (Some(plane), true) => Pair { a: b, b: plane, kind: SeamKind::Crosses },
+            (Some(plane), false) => Pair { a, b: plane, kind: SeamKind::Crosses },
         }
     }
 
@@ -288,8 +288,8 @@ impl Work<'_> {
         let a = held.next()?;
         let b = held.next().unwrap_or(a);
         let [a, b] = [a, b].map(|i| &self.patches[i].surface);
-        let course = if chain.touches { Course::Touches } else { Course::Crosses };
-        Some(Pair { a, b, course })
+        let kind = if chain.touches { SeamKind::Touches } else { SeamKind::Crosses };
+        Some(Pair { a, b, kind })
     }
 
     /// Gives the chains between facets and curved faces their arches.

@@ -40,7 +40,7 @@ const FITTED: usize = 48;
 
 /// How a curve is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Course {
+pub(super) enum SeamKind {
     /// Two surfaces cross.
     Crosses,
     /// Two surfaces touch.
@@ -55,7 +55,7 @@ pub(super) enum Course {
 pub(super) struct Pair<'a> {
     pub a: &'a Primitive,
     pub b: &'a Primitive,
-    pub course: Course,
+    pub kind: SeamKind,
 }
 
 impl Pair<'_> {
@@ -65,27 +65,27 @@ impl Pair<'_> {
 
     /// Whether the curve runs through the points of its chain.
     pub fn is_led(&self) -> bool {
-        matches!(self.course, Course::Follows | Course::Loose)
+        matches!(self.kind, SeamKind::Follows | SeamKind::Loose)
     }
 
     pub fn project(&self, p: Point) -> Point {
-        match self.course {
-            Course::Loose => p,
-            Course::Follows => self.a.closest(p),
+        match self.kind {
+            SeamKind::Loose => p,
+            SeamKind::Follows => self.a.closest(p),
             _ if self.is_flat() => p,
-            Course::Touches => contact(self.a, self.b, p),
-            Course::Crosses => crossing(self.a, self.b, p),
+            SeamKind::Touches => contact(self.a, self.b, p),
+            SeamKind::Crosses => crossing(self.a, self.b, p),
         }
     }
 
     /// The normal of the surface that a curve follows.
     pub fn normal(&self, p: Point) -> Option<Vector> {
-        (self.course == Course::Follows).then(|| self.a.normal(p))
+        (self.kind == SeamKind::Follows).then(|| self.a.normal(p))
     }
 
     fn off(&self, p: Point) -> f64 {
-        match self.course {
-            Course::Loose => 0.0,
+        match self.kind {
+            SeamKind::Loose => 0.0,
             _ => self.a.distance(p).0.abs().max(self.b.distance(p).0.abs()),
         }
     }
@@ -152,7 +152,7 @@ impl Pair<'_> {
             if points.iter().map(aside).fold(worst, f64::max) <= SPLINE {
                 return Ok((chord, worst));
             }
-            if self.course == Course::Follows && self.a.kind() != PrimitiveKind::Plane {
+            if self.kind == SeamKind::Follows && self.a.kind() != PrimitiveKind::Plane {
                 return followed(self.a, points, chain.tangents);
             }
             let curve = led_curve(points, chain.tangents)?;

@@ -13,6 +13,9 @@ use super::hermite::{derivatives, with_slopes};
 use crate::geometry::{Point, Vector};
 use crate::primitives::Primitive;
 
+/// The share of the length for the numerical derivative. Its error is as small as the step, which Newton's method makes good.
+const STEP: f64 = 1e-4;
+
 /// The steps of Newton's method for the length of a piece.
 const STEPS: usize = 8;
 
@@ -30,20 +33,20 @@ struct Station {
 }
 
 /// A piece between two stations.
-struct Piece {
+struct LedPiece {
     ends: [Station; 2],
     /// The distance of the inner control points from the ends.
     length: f64,
 }
 
-impl Piece {
+impl LedPiece {
     /// The piece with its middle on a surface.
     fn on(surface: &Primitive, ends: [Station; 2]) -> Self {
         let third = (ends[1].at - ends[0].at).norm() / 3.0;
-        let off = |length: f64| surface.distance(Piece { ends, length }.point(0.5)).0;
+        let off = |length: f64| surface.distance(LedPiece { ends, length }.point(0.5)).0;
         let (mut length, mut now) = (third, off(third));
         for _ in 0..STEPS {
-            let step = 1e-4 * third;
+            let step = STEP * third;
             let slope = (off(length + step) - now) / step;
             let within = |x: f64| x.clamp(third / MOST_STRETCHED, third * MOST_STRETCHED);
             let next = within(length - now / slope);
@@ -54,7 +57,7 @@ impl Piece {
             }
             (length, now) = (next, then);
         }
-        Piece { ends, length }
+        LedPiece { ends, length }
     }
 
     fn poles(&self) -> [Point; 4] {
@@ -117,12 +120,12 @@ pub(super) fn followed(
     let (_, _, slopes) = slopes(points, tangents);
     let stations = points.iter().zip(slopes).map(|(&at, along)| station(at, along));
     let mut stations = stations.collect::<Result<Vec<Station>, &str>>()?;
-    let off = |piece: &Piece, t: f64| surface.distance(piece.point(t)).0.abs();
+    let off = |piece: &LedPiece, t: f64| surface.distance(piece.point(t)).0.abs();
     let mut rounds = 0;
     loop {
         rounds += 1;
-        let pieces: Vec<Piece> =
-            stations.windows(2).map(|ends| Piece::on(surface, [ends[0], ends[1]])).collect();
+        let pieces: Vec<LedPiece> =
+            stations.windows(2).map(|ends| LedPiece::on(surface, [ends[0], ends[1]])).collect();
         let mut worst: f64 = 0.0;
         let mut finer = vec![stations[0]];
         for piece in &pieces {
@@ -142,7 +145,7 @@ pub(super) fn followed(
 }
 
 /// The pieces as one curve, whose derivative has the length 1 where they meet.
-fn joined(pieces: &[Piece]) -> Result<SplineCurve<3>, String> {
+fn joined(pieces: &[LedPiece]) -> Result<SplineCurve<3>, String> {
     let mut poles = Vec::with_capacity(2 * pieces.len() + 2);
     let mut knots = vec![0.0; 4];
     let mut end = 0.0;

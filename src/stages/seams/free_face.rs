@@ -26,9 +26,6 @@ const MOST_PARTS: usize = 20;
 /// The most places in each direction where the normals of neighbours are compared.
 const MOST_COMPARED: usize = 200;
 
-/// A border turns back if its directions at a vertex are opposite but for this angle.
-const TURNS_BACK: f64 = 1e-3;
-
 /// The places where an edge is compared with its face.
 const SAMPLES: usize = 16;
 
@@ -123,16 +120,17 @@ impl FaceBuilder<'_> {
         Ok(true)
     }
 
-    /// Whether a border leaves the end of an edge in the direction from which it came. Readers take such edges for one.
+    /// Whether a border leaves the end of an edge along that edge. Readers take such edges for one.
     fn turns_back(&self, before: ChainUse, after: ChainUse) -> bool {
-        let along = |(chain, forward): ChainUse, is_start: bool| {
-            let curve = &self.brep.edges[chain].curve;
-            let (start, end) = curve.range();
-            let along = Vector::from(curve.speed(if is_start == forward { start } else { end }));
-            let along = if forward { along } else { -along };
-            along.try_normalize(0.0).unwrap_or_default()
+        let curves = [before, after].map(|of| &self.brep.edges[of.0].curve);
+        let long = curves.map(|curve| curve.range().1 - curve.range().0);
+        let half = 0.5 * long[0].min(long[1]);
+        // The parameter is the length, or nearly.
+        let at = |k: usize, is_from_start: bool| {
+            let (start, end) = curves[k].range();
+            Point::from(curves[k].point(if is_from_start { start + half } else { end - half }))
         };
-        (along(before, false) + along(after, true)).norm() < TURNS_BACK
+        (at(0, !before.1) - at(1, after.1)).norm() <= self.work.limit
     }
 
     /// The uses of each side of a free-form face.

@@ -52,7 +52,7 @@ impl FreeForm {
 }
 
 /// A vertex that may be a corner.
-struct Candidate {
+struct BorderCorner {
     place: usize,
     /// How far along the border it is.
     along: f64,
@@ -232,8 +232,9 @@ impl Work<'_> {
         let mut places: BTreeSet<usize> = sharp.into_iter().take(SHARPEST).collect();
         let even = |k: usize| along[..n].partition_point(|&s| s < whole * k as f64 / EVEN as f64);
         places.extend((0..EVEN).map(even).filter(|&k| k < n));
-        let candidate = |place: usize| Candidate { place, along: along[place], cost: cost(place) };
-        let candidates: Vec<Candidate> = places.into_iter().map(candidate).collect();
+        let candidate =
+            |place: usize| BorderCorner { place, along: along[place], cost: cost(place) };
+        let candidates: Vec<BorderCorner> = places.into_iter().map(candidate).collect();
         let unlike = |a: f64, b: f64| (a / b).ln().powi(2);
         let mut best: Option<(f64, [usize; 4])> = None;
         for (a, first) in candidates.iter().enumerate() {
