@@ -14,7 +14,7 @@ use scan2step::geometry::Point;
 use scan2step::mesh::from_soup;
 use scan2step::primitives::PrimitiveKind;
 use scan2step::stages::regions::{self, FileRounding, RegionOrigin, Tessellation};
-use scan2step::stages::seams::{self, FacePatch, solid};
+use scan2step::stages::seams::{self, FacePatch, FacetForm, solid};
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         surface: region.surface.scaled(build.mm),
         side: region.side,
         is_facet: region.origin == RegionOrigin::Facet,
-        is_bent: false,
+        form: FacetForm::Flat,
         triangles: region.triangles.clone(),
     });
     let mut mesh = build.mesh.clone();
