@@ -6,14 +6,14 @@ use super::{MAX_DEGREE, SplineKnots};
 /// The number of basis functions of the highest degree.
 const ROOM: usize = MAX_DEGREE + 1;
 
-/// The non-zero basis functions at a parameter and their derivatives. Function `j`
+/// The non-zero basis functions at a parameter and their first two derivatives. Function `j`
 /// belongs to pole `first + j`.
 #[derive(Debug, Clone)]
 pub struct SplineBasis {
     /// The index of the first pole with a non-zero function.
     pub first: usize,
     /// `derivative[k][j]` is the `k`-th derivative of function `j`.
-    pub derivative: [[f64; ROOM]; 2],
+    pub derivative: [[f64; ROOM]; 3],
 }
 
 impl SplineBasis {
@@ -24,12 +24,22 @@ impl SplineBasis {
         let span = span(knots, t);
         let mut row = [0.0; ROOM];
         row[0] = 1.0;
-        for d in 1..p {
+        let mut lower = [[0.0; ROOM]; 2]; // of degrees p − 1 and p − 2
+        for d in 1..=p {
+            if d == p {
+                lower[0] = row;
+            } else if d + 1 == p {
+                lower[1] = row;
+            }
             raise(&mut row, k, span, d, t);
         }
-        let first = differentiated(&row, k, span, p);
-        raise(&mut row, k, span, p, t);
-        SplineBasis { first: span - p, derivative: [row, first] }
+        let first = differentiated(&lower[0], k, span, p);
+        let second = if p > 1 {
+            differentiated(&differentiated(&lower[1], k, span, p - 1), k, span, p)
+        } else {
+            [0.0; ROOM]
+        };
+        SplineBasis { first: span - p, derivative: [row, first, second] }
     }
 }
 
