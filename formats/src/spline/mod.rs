@@ -266,10 +266,10 @@ impl SplineSurface {
     fn plain_tangents(&self, [of_u, of_v]: [&SplineBasis; 2]) -> [[f64; 3]; 3] {
         let [u, v] = [of_u, of_v].map(|basis| &basis.derivative);
         let mut sums = [[0.0; 3]; 3];
-        for i in 0..=self.u.degree {
+        for (i, (of, slope)) in u[0].iter().zip(&u[1]).take(self.u.degree + 1).enumerate() {
             let first = (of_u.first + i) * self.v.poles() + of_v.first;
             for (j, pole) in self.poles[first..=first + self.v.degree].iter().enumerate() {
-                let shares = [u[0][i] * v[0][j], u[1][i] * v[0][j], u[0][i] * v[1][j]];
+                let shares = [of * v[0][j], slope * v[0][j], of * v[1][j]];
                 for (sum, share) in sums.iter_mut().zip(shares) {
                     (0..3).for_each(|k| sum[k] += pole[k] * share);
                 }

@@ -253,6 +253,13 @@ pub(super) fn coons(
     Ok(surface)
 }
 
+/// The control points of a bulge with their factors, whose sum is to be the target.
+struct BulgeRow {
+    terms: Vec<(usize, f64)>,
+    weight: f64,
+    target: Vector,
+}
+
 /// The control net of what brings a surface to points inside of it and leaves its sides where they are. Each point comes with
 /// parameters near its foot point.
 fn bulge(
@@ -264,7 +271,7 @@ fn bulge(
     let inner = |i: usize, j: usize| {
         (i > 0 && j > 0 && i + 1 < nu && j + 1 < nv).then(|| (i - 1) * (nv - 2) + j - 1)
     };
-    let mut rows: Vec<(Vec<(usize, f64)>, f64, Vector)> = Vec::new();
+    let mut rows: Vec<BulgeRow> = Vec::new();
     for &(start, p) in points {
         let (at, _) = foot_point(surface, p, start);
         let [a, b] = [knots[0].basis(at.x), knots[1].basis(at.y)];
@@ -275,13 +282,13 @@ fn bulge(
                 row.extend(inner(a.first + i, b.first + j).map(|k| (k, weight)));
             }
         }
-        rows.push((row, 1.0, p - surface.point(at)));
+        rows.push(BulgeRow { terms: row, weight: 1.0, target: p - surface.point(at) });
     }
     // The control points at the sides are zero.
     let mut stiff = |places: [(usize, usize); 3]| {
         let terms = places.into_iter().zip([1.0, -2.0, 1.0]);
         let row: Vec<_> = terms.filter_map(|((i, j), w)| inner(i, j).map(|k| (k, w))).collect();
-        rows.push((row, STIFFNESS, Vector::zeros()));
+        rows.push(BulgeRow { terms: row, weight: STIFFNESS, target: Vector::zeros() });
     };
     for i in 1..nu - 1 {
         for j in 1..nv - 1 {
@@ -290,13 +297,13 @@ fn bulge(
         }
     }
     let mut columns = vec![Vec::new(); (nu - 2) * (nv - 2)];
-    for (row, ..) in &rows {
-        for &(a, _) in row {
-            columns[a].extend(row.iter().map(|of| of.0).filter(|&b| b >= a));
+    for BulgeRow { terms, .. } in &rows {
+        for &(a, _) in terms {
+            columns[a].extend(terms.iter().map(|of| of.0).filter(|&b| b >= a));
         }
     }
     let mut equations = SparseNormal::new(columns)?;
-    rows.iter().for_each(|(row, weight, target)| equations.add_row(row, *weight, *target));
+    rows.iter().for_each(|row| equations.add_row(&row.terms, row.weight, row.target));
     let found = equations.solve()?;
     let at = |n: usize| inner(n / nv, n % nv).map_or_else(Vector::zeros, |k| found[k]);
     Some((0..nu * nv).map(at).collect())

@@ -52,7 +52,8 @@ impl LedPiece {
             let next = within(length - now / slope);
             let then = off(next);
             // A length that does not matter stays.
-            if !(then.abs() < now.abs()) {
+            let is_better = then.abs() < now.abs();
+            if !is_better {
                 break;
             }
             (length, now) = (next, then);
@@ -131,7 +132,7 @@ pub(super) fn followed(
         for piece in &pieces {
             let own = COMPARED.map(|t| off(piece, t)).into_iter().fold(0.0, f64::max);
             worst = worst.max(own);
-            if !(own <= SPLINE) {
+            if own > SPLINE {
                 finer.push(station(surface.closest(piece.point(0.5)), piece.tangent(0.5))?);
             }
             finer.push(piece.ends[1]);
