@@ -79,13 +79,7 @@ impl PatchSide {
 
     /// The control points over finer knots.
     fn over(&self, knots: &KnotVector) -> Vec<Vector> {
-        // The knots of this side move to those that are the same.
-        let all = knots.knots();
-        let own = self.knots.iter().map(|&t| {
-            let k = all.partition_point(|&s| s < t - SAME);
-            all[k.min(all.len() - 1)]
-        });
-        inserted(&self.poles, &KnotVector::new(DEGREE, own.collect()), knots)
+        inserted(&self.poles, &moved(&self.knots, knots), knots)
     }
 
     fn length(&self) -> f64 {
@@ -146,6 +140,16 @@ fn common(lists: [&[f64]; 3]) -> Result<KnotVector, String> {
     made[..=DEGREE].fill(0.0);
     made[count - DEGREE - 1..].fill(1.0);
     Ok(KnotVector::new(DEGREE, made))
+}
+
+/// Some knots at those of a finer vector that are the same.
+fn moved(knots: &[f64], to: &KnotVector) -> KnotVector {
+    let all = to.knots();
+    let own = knots.iter().map(|&t| {
+        let k = all.partition_point(|&s| s < t - SAME);
+        all[k.min(all.len() - 1)]
+    });
+    KnotVector::new(DEGREE, own.collect())
 }
 
 /// The vertices of a face in its parameters.
@@ -237,16 +241,7 @@ pub(super) fn coons(
     if !points.is_empty()
         && let Some(bulge) = bulge(&surface, points, &even)
     {
-        // The knots of the bulge move to those that are the same.
-        let near = |k: usize, all: &KnotVector| {
-            let all = all.knots();
-            let own = even[k].knots().iter().map(|&t| {
-                let at = all.partition_point(|&s| s < t - SAME);
-                all[at.min(all.len() - 1)]
-            });
-            KnotVector::new(DEGREE, own.collect())
-        };
-        let own = [near(0, &surface.u), near(1, &surface.v)];
+        let own = [moved(even[0].knots(), &surface.u), moved(even[1].knots(), &surface.v)];
         let more = refined(&bulge, [&own[0], &own[1]], [&surface.u, &surface.v]);
         surface.net.iter_mut().zip(more).for_each(|(p, by)| *p += by);
     }

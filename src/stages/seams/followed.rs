@@ -9,7 +9,7 @@ use formats::spline::SplineCurve;
 
 use super::chart::{array, vector};
 use super::curves::{MOST_POINTS, MOST_ROUNDS, SPLINE};
-use super::hermite::{derivatives, with_slopes};
+use super::hermite::{slopes, with_slopes};
 use crate::geometry::{Point, Vector};
 use crate::primitives::Primitive;
 
@@ -81,15 +81,15 @@ impl LedPiece {
 }
 
 /// The parameters of points, which are lengths along their chords, the places and the derivatives there.
-type Slopes = (Vec<f64>, Vec<[f64; 3]>, Vec<Vector>);
+type LedSlopes = (Vec<f64>, Vec<[f64; 3]>, Vec<Vector>);
 
-fn slopes(points: &[Point], tangents: [Option<Vector>; 2]) -> Slopes {
+fn led_by(points: &[Point], tangents: [Option<Vector>; 2]) -> LedSlopes {
     let mut t = vec![0.0];
     for pair in points.windows(2) {
         t.push(t[t.len() - 1] + (pair[1] - pair[0]).norm());
     }
     let places: Vec<[f64; 3]> = points.iter().map(|&p| array(p)).collect();
-    let mut slopes: Vec<Vector> = derivatives(&t, &places).into_iter().map(Vector::from).collect();
+    let mut slopes: Vec<Vector> = slopes(&t, &places).into_iter().map(Vector::from).collect();
     let last = slopes.len() - 1;
     for (at, tangent) in [0, last].into_iter().zip(tangents) {
         slopes[at] = tangent.unwrap_or(slopes[at]);
@@ -102,7 +102,7 @@ pub(super) fn led_curve(
     points: &[Point],
     tangents: [Option<Vector>; 2],
 ) -> Result<SplineCurve<3>, String> {
-    let (t, places, slopes) = slopes(points, tangents);
+    let (t, places, slopes) = led_by(points, tangents);
     let slopes: Vec<[f64; 3]> = slopes.into_iter().map(vector).collect();
     with_slopes(&t, &places, &slopes)
 }
@@ -118,7 +118,7 @@ pub(super) fn followed(
         let along = (along - along.dot(&normal) * normal).try_normalize(f64::MIN_POSITIVE);
         along.map(|along| Station { at, along }).ok_or("a border across its face")
     };
-    let (_, _, slopes) = slopes(points, tangents);
+    let (_, _, slopes) = led_by(points, tangents);
     let stations = points.iter().zip(slopes).map(|(&at, along)| station(at, along));
     let mut stations = stations.collect::<Result<Vec<Station>, &str>>()?;
     let off = |piece: &LedPiece, t: f64| surface.distance(piece.point(t)).0.abs();

@@ -59,13 +59,8 @@ fn closed_slopes<const D: usize>(t: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]
     own
 }
 
-/// The derivatives at its points of the curve through them.
-pub(super) fn derivatives<const D: usize>(t: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]> {
-    slopes(t, points)
-}
-
 /// The slopes of the interpolating cubic spline. Those at the ends are of the polynomial through the five points there.
-fn slopes<const D: usize>(t: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]> {
+pub(super) fn slopes<const D: usize>(t: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]> {
     let n = t.len();
     let mut slopes = vec![[0.0; D]; n];
     let near = n.min(5);
