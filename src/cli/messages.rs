@@ -280,13 +280,21 @@ pub(crate) fn summary(c: &Body) -> String {
     let (made, holes) = match &c.fit {
         BodyFit::Face(face) => made_face(c, face),
         BodyFit::Network(_) => made_body(c),
-        BodyFit::Exact(_) => {
+        BodyFit::Exact(fit) => {
+            let farthest = |is_free: bool| {
+                let own = fit.faces.iter().filter(|face| face.is_free == is_free);
+                own.map(|face| face.max).fold(0.0, f64::max)
+            };
+            let free = match fit.free_forms {
+                0 => String::new(),
+                _ => format!(", and free-form faces within {}", mm(farthest(true))),
+            };
             return format!(
-                "{}{}: {}; exact within {}",
+                "{}{}: {}; exact within {}{free}",
                 made_body(c).0,
                 gaps::edges_and_gaps(c),
                 kinds(SurfaceCounts::of(&c.brep).named()),
-                mm(c.fit_deviation.max)
+                mm(farthest(false))
             );
         }
     };

@@ -304,7 +304,9 @@ fn body(
         triangles: region.triangles.clone(),
     });
     let measured = [mesh.points.len(), mesh.triangles.len()];
-    let wanted = seams::Options { name: options.name.clone(), least_exact, free_form: false };
+    let within = options.tolerance.unwrap_or(f64::INFINITY);
+    let free_forms = seams::FreeForms::Through { turn: regions::MOST_TURN, within };
+    let wanted = seams::Options { name: options.name.clone(), least_exact, free_forms };
     let sewn = sewn(mesh, &errors, patches.collect(), shape, &wanted);
     let Sewn { mut brep, mut report, mesh, gaps } = match sewn {
         Ok(sewn) => sewn,
@@ -323,6 +325,8 @@ fn body(
     let brep = turned(shape, brep, &mut report.patches);
     let distances = Distances::of(&mesh, measured, &report.patches);
     watch(Stage::Deviation)?;
+    let passes = report.patches.iter().filter_map(|patch| Some(patch.free_form()?.passes()));
+    let passes = passes.fold(0.0, f64::max);
     let rounding = errors.iter().copied().fold(0.0, f64::max);
     let made = ExactBody {
         input,
@@ -337,7 +341,7 @@ fn body(
         risers: Vec::new(),
         snaps: regions.snaps,
         distances,
-        tolerance: regions::MOST_ERRORS * rounding,
+        tolerance: passes.max(regions::MOST_ERRORS * rounding),
         rounding,
         rounding_factor: factor,
         noise: None,

@@ -38,8 +38,13 @@ impl Distances {
             vertices.dedup();
             vertices.retain(|v| v.index() < measured[0]);
             let mut face = unmeasured(patch);
+            let free = FreeFace::of(patch);
+            let signed = |p: Point| match &free {
+                Some(free) => patch.side * free.distance(p, 0.0),
+                None => patch.side * patch.surface.distance(p).0,
+            };
             for &v in &vertices {
-                let distance = patch.side * patch.surface.distance(mesh.point(v)).0;
+                let distance = signed(mesh.point(v));
                 let known = &mut of_vertices[v.index()];
                 if distance.abs() > known.abs() {
                     *known = distance;
@@ -48,7 +53,7 @@ impl Distances {
             }
             for &t in patch.triangles.iter().filter(|&&t| (t as usize) < measured[1]) {
                 let middle = middle(mesh, t as usize);
-                middles.push((middle, patch.surface.distance(middle).0.abs()));
+                middles.push((middle, signed(middle).abs()));
             }
             of_faces.push(measured_face(face));
         }

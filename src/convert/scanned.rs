@@ -165,8 +165,9 @@ fn body(
     let mesh = made.mesh.clone().scaled(mm);
     let patches = patches_of(&made, &mesh, mm);
     let errors = vec![PLACED; mesh.points.len()];
-    let wanted =
-        seams::Options { name: options.name.clone(), least_exact: LEAST_EXACT, free_form: true };
+    let name = options.name.clone();
+    let free_forms = seams::FreeForms::Near;
+    let wanted = seams::Options { name, least_exact: LEAST_EXACT, free_forms };
     let (brep, mut report) = match seams::solid(&mesh, &errors, patches, &wanted) {
         Ok(made) => made,
         Err(why) => return Ok(Err(rounded(&why.to_string(), &made, mm))),

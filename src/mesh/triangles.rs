@@ -15,9 +15,14 @@ struct Triangle {
 
 impl Triangles {
     pub fn new(mesh: &Mesh) -> Self {
-        let triangle = |(number, t): (usize, &_)| Triangle { corners: mesh.corners(*t), number };
-        let triangles = mesh.triangles.iter().enumerate().map(triangle);
-        Triangles(RTree::bulk_load(triangles.collect()))
+        Triangles::some(mesh, 0..mesh.triangles.len())
+    }
+
+    /// Those with the given positions.
+    pub fn some(mesh: &Mesh, numbers: impl Iterator<Item = usize>) -> Self {
+        let triangle =
+            |number: usize| Triangle { corners: mesh.corners(mesh.triangles[number]), number };
+        Triangles(RTree::bulk_load(numbers.map(triangle).collect()))
     }
 
     /// The distance from `p` to the nearest triangle, in mm, and the number of this triangle.

@@ -28,6 +28,16 @@ const EDGES_OF_SPAN: f64 = 3.0;
 /// The most spans of a bulge in each direction.
 const MOST_SPANS: usize = 24;
 
+/// The most spans of a bulge that passes through its points, of which each has a control point.
+const MOST_SPANS_THROUGH: usize = 100;
+
+/// The least span as a share of the mean one.
+const LEAST_SPAN: f64 = 0.1;
+
+/// So often a bulge through points is brought nearer to them, with so little weight of its second differences.
+const PASSES: usize = 4;
+const LITTLE: f64 = 1e-4;
+
 /// The weight of the second differences of a bulge beside its nine vertices for each control point. It decides where there are none.
 const STIFFNESS: f64 = 0.1;
 
@@ -195,18 +205,32 @@ impl InnerVertices {
     }
 }
 
+/// How the vertices inside bend a surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Bulging {
+    /// Their noise is averaged. The mean edge of the mesh is given.
+    Averages(f64),
+    /// It passes through them.
+    PassesThrough,
+}
+
 /// The surface through four sides, of which each begins where the one before ends. The first two run with u and with v, the others
 /// against them.
 pub(super) fn coons(
     sides: &[PatchSide; 4],
     points: &[(Uv, Point)],
-    edge: f64,
+    how: Bulging,
 ) -> Result<Surface, String> {
     let [bottom, right, top, left] = sides;
     let (top, left) = (top.reversed(), left.reversed());
     let lengths = [bottom.length().max(top.length()), left.length().max(right.length())];
-    let spans = lengths.map(|long| ((long / (EDGES_OF_SPAN * edge)) as usize).clamp(1, MOST_SPANS));
-    let even = spans.map(|n| KnotVector::uniform(DEGREE, n + DEGREE));
+    let even = match how {
+        Bulging::Averages(edge) => lengths.map(|long| {
+            let spans = ((long / (EDGES_OF_SPAN * edge)) as usize).clamp(1, MOST_SPANS);
+            KnotVector::uniform(DEGREE, spans + DEGREE)
+        }),
+        Bulging::PassesThrough => knots_among(points, lengths),
+    };
     let coarse = |k: usize| if points.is_empty() { &[][..] } else { even[k].knots() };
     let u = common([&bottom.knots, &top.knots, coarse(0)])?;
     let v = common([&left.knots, &right.knots, coarse(1)])?;
@@ -238,14 +262,35 @@ pub(super) fn coons(
         }
     }
     let mut surface = Surface::new(u, v, net);
-    if !points.is_empty()
-        && let Some(bulge) = bulge(&surface, points, &even)
-    {
+    let (passes, stiffness) = match how {
+        _ if points.is_empty() => (0, STIFFNESS),
+        Bulging::Averages(_) => (1, STIFFNESS),
+        Bulging::PassesThrough => (PASSES, LITTLE),
+    };
+    for _ in 0..passes {
+        let Some(bulge) = bulge(&surface, points, &even, stiffness) else { break };
         let own = [moved(even[0].knots(), &surface.u), moved(even[1].knots(), &surface.v)];
         let more = refined(&bulge, [&own[0], &own[1]], [&surface.u, &surface.v]);
         surface.net.iter_mut().zip(more).for_each(|(p, by)| *p += by);
     }
     Ok(surface)
+}
+
+/// Knots of a bulge with about one control point for each point inside, as close to each other as the points are.
+fn knots_among(points: &[(Uv, Point)], lengths: [f64; 2]) -> [KnotVector; 2] {
+    let ratio = (lengths[0] / lengths[1]).sqrt();
+    let root = (points.len() as f64).sqrt();
+    [(0, root * ratio), (1, root / ratio)].map(|(k, wanted)| {
+        let spans = (wanted.ceil() as usize).clamp(1, MOST_SPANS_THROUGH);
+        let mut places: Vec<f64> = points.iter().map(|(at, _)| at[k]).collect();
+        places.sort_by(f64::total_cmp);
+        let at = |j: usize| places[j * (places.len() - 1) / spans];
+        let mut inner: Vec<f64> = (1..spans).filter(|_| !places.is_empty()).map(at).collect();
+        inner.dedup_by(|a, b| *a - *b < LEAST_SPAN / spans as f64);
+        inner.retain(|t| *t > SAME && *t < 1.0 - SAME);
+        let knots = [&[0.0; DEGREE + 1][..], &inner, &[1.0; DEGREE + 1]].concat();
+        KnotVector::new(DEGREE, knots)
+    })
 }
 
 /// The control points of a bulge with their factors, whose sum is to be the target.
@@ -261,6 +306,7 @@ fn bulge(
     surface: &Surface,
     points: &[(Uv, Point)],
     knots: &[KnotVector; 2],
+    stiffness: f64,
 ) -> Option<Vec<Vector>> {
     let [nu, nv] = [0, 1].map(|k| knots[k].functions());
     let inner = |i: usize, j: usize| {
@@ -283,7 +329,7 @@ fn bulge(
     let mut stiff = |places: [(usize, usize); 3]| {
         let terms = places.into_iter().zip([1.0, -2.0, 1.0]);
         let row: Vec<_> = terms.filter_map(|((i, j), w)| inner(i, j).map(|k| (k, w))).collect();
-        rows.push(BulgeRow { terms: row, weight: STIFFNESS, target: Vector::zeros() });
+        rows.push(BulgeRow { terms: row, weight: stiffness, target: Vector::zeros() });
     };
     for i in 1..nu - 1 {
         for j in 1..nv - 1 {
@@ -361,7 +407,7 @@ mod tests {
     fn a_surface_has_the_curves_of_its_sides() {
         let curves = sides_under(|x, y| 0.05 * x * y + 0.3 * (0.7 * x).sin(), 12, 3);
         let sides = patch_sides(&curves);
-        let surface = coons(&sides, &[], 1.0).expect("a surface");
+        let surface = coons(&sides, &[], Bulging::Averages(1.0)).expect("a surface");
         let place = |side: usize, t: f64| match side {
             0 => Uv::new(t, 0.0),
             1 => Uv::new(1.0, t),
@@ -389,7 +435,8 @@ mod tests {
         let points: Vec<(Uv, Point)> = inside
             .map(|[x, y]| (Uv::new(x / 9.0, y / 9.0), Point::new(x, y, height(x, y))))
             .collect();
-        let [plain, bent] = [&[][..], &points].map(|of| coons(&sides, of, 1.0).expect("a surface"));
+        let [plain, bent] = [&[][..], &points]
+            .map(|of| coons(&sides, of, Bulging::Averages(1.0)).expect("a surface"));
         let off = |surface: &Surface| {
             let of = |&(at, p): &(Uv, Point)| foot_point(surface, p, at).1;
             points.iter().map(of).fold(0.0, f64::max)

@@ -55,6 +55,8 @@ impl Work<'_> {
         }
         for (&i, loss) in &losses {
             if !self.patches[i].is_facet {
+                let is_curved = self.is_curved(i);
+                loss.triangles.iter().for_each(|&t| self.is_lost[t as usize] |= is_curved);
                 let first = loss.triangles.first().copied().unwrap_or_default() as usize;
                 fallbacks.push(Fallback {
                     kind: self.patches[i].surface.kind(),

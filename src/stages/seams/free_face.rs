@@ -5,20 +5,32 @@ use std::collections::{BTreeMap, BTreeSet};
 use formats::brep::{BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, PCurve};
 use formats::spline::SplineCurve;
 
-use super::Work;
-use super::coons::{InnerVertices, PatchSide, coons, spline_of};
+use super::chords::ChordError;
+use super::coons::{Bulging, InnerVertices, PatchSide, coons, spline_of};
 use super::faces::FaceBuilder;
 use super::free_form::FreeForm;
 use super::network::ChainUse;
+use super::{FreeForms, Work};
 use crate::geometry::{Point, Uv, Vector, VertexId};
+use crate::mesh::Triangles;
 use crate::spline::{KnotVector, ParametricSurface, Surface, foot_point};
 
 /// A free-form face is at most this share of the mean edge of the mesh off its triangles. A scan does not tell less of a face than that.
 const MOST_OFF: f64 = 0.5;
 
+/// A face that passes through the vertices of a clean mesh is off its triangles by their chord error, which is larger where a surface bends
+/// unevenly.
+const MOST_CHORDS: f64 = 2.0;
+
+/// Vertices inside of such a face are off it by at most this share of the chord error, which is all that the mesh tells of the face.
+const MOST_MISSED: f64 = 0.1;
+
 /// At most this share of the area of a free-form face is turned over against its triangles. Triangles between surfaces that hardly miss each other
 /// are often turned over themselves.
 const MOST_TURNED: f64 = 0.5;
+
+/// In a clean mesh only slivers are, whose normals are rounding errors.
+const SLIVERS: f64 = 0.01;
 
 /// The most parts along the side of a triangle that is compared with its face.
 const MOST_PARTS: usize = 20;
@@ -33,6 +45,8 @@ const SAMPLES: usize = 16;
 pub(super) struct FreeSurface {
     pub surface: Surface,
     pub off: f64,
+    /// Within how many mm it passes the vertices of a clean mesh.
+    pub passes: f64,
 }
 
 /// The parameters of a place on a side, counterclockwise.
@@ -86,11 +100,23 @@ impl FaceBuilder<'_> {
         let on_border: BTreeSet<VertexId> = form.border.iter().copied().collect();
         let inner = places.iter().filter(|(v, _)| !on_border.contains(v));
         let inner: Vec<(Uv, Point)> = inner.map(|(&v, &at)| (at, work.mesh.point(v))).collect();
-        let surface = coons(&made, &inner, work.edge)?;
-        if !inner.is_empty() && is_folded(&surface) {
+        let is_clean = matches!(work.free_forms, FreeForms::Through { .. });
+        let how = if is_clean { Bulging::PassesThrough } else { Bulging::Averages(work.edge) };
+        let surface = coons(&made, &inner, how)?;
+        let chord = is_clean.then(|| work.chord_error(i));
+        if (is_clean || !inner.is_empty()) && is_folded(&surface) {
             return Err("a free-form face that folds".into());
         }
-        let off = work.off_triangles(i, &surface, &places)?;
+        let off = work.off_triangles(i, &surface, &places, chord.as_ref())?;
+        let mut passes = 0.0;
+        if let (FreeForms::Through { within, .. }, Some(chord)) = (work.free_forms, chord) {
+            passes = within.min(MOST_MISSED * chord.most);
+            let miss = |(at, p): &(Uv, Point)| foot_point(&surface, *p, *at).1;
+            let missed = inner.iter().map(miss).fold(0.0, f64::max);
+            if missed > passes {
+                return Err(format!("vertices are {missed:.1e} mm off a free-form face"));
+            }
+        }
         let spline = spline_of(&surface)?;
         let mut uses = Vec::with_capacity(ring.len());
         for (side, (own, made)) in sides.iter().zip(&made).enumerate() {
@@ -116,7 +142,7 @@ impl FaceBuilder<'_> {
         self.brep.add_face(Face { surface: surface_id, forward: true, loops: vec![uses] });
         self.patch_of.push(i);
         self.triangles.push(work.patches[i].triangles.clone());
-        self.free.insert(i, FreeSurface { surface, off });
+        self.free.insert(i, FreeSurface { surface, off, passes });
         Ok(true)
     }
 
@@ -193,7 +219,10 @@ impl Work<'_> {
         i: usize,
         surface: &Surface,
         places: &BTreeMap<VertexId, Uv>,
+        chord: Option<&ChordError>,
     ) -> Result<f64, String> {
+        let too_far = |off: f64| Err(format!("a free-form face is {off:.1e} mm off its triangles"));
+        let most = chord.map_or(MOST_OFF * self.edge, |of| MOST_CHORDS * of.most + self.limit);
         let (mut worst, mut turned, mut whole): (f64, f64, f64) = (0.0, 0.0, 0.0);
         for &t in &self.patches[i].triangles {
             let corners = self.mesh.triangles[t as usize];
@@ -208,6 +237,9 @@ impl Work<'_> {
                 let start = Uv::from(x * starts[0] + y * starts[1] + z * starts[2]);
                 let (at, off) = foot_point(surface, p, start);
                 worst = worst.max(off);
+                if off > most {
+                    return too_far(off);
+                }
                 let jet = ParametricSurface::jet(surface, at);
                 let share = area.norm() / (parts * parts) as f64;
                 whole += share;
@@ -216,11 +248,19 @@ impl Work<'_> {
                 }
             }
         }
-        if turned > MOST_TURNED * whole {
+        let most_turned = if chord.is_some() { SLIVERS } else { MOST_TURNED };
+        if turned > most_turned * whole {
             return Err("a free-form face that folds".into());
         }
-        if worst > MOST_OFF * self.edge {
-            return Err(format!("a free-form face is {worst:.1e} mm off its triangles"));
+        if chord.is_some() {
+            let own = self.patches[i].triangles.iter().map(|&t| t as usize);
+            let triangles = Triangles::some(self.mesh, own);
+            for at in places_of(surface) {
+                worst = worst.max(triangles.nearest(surface.point(at)).0);
+                if worst > most {
+                    return too_far(worst);
+                }
+            }
         }
         Ok(worst)
     }
@@ -238,13 +278,22 @@ fn middles(parts: usize) -> impl Iterator<Item = [f64; 3]> {
     })
 }
 
+/// Places in the middles of spans.
+fn places_of(surface: &Surface) -> impl Iterator<Item = Uv> {
+    let [us, vs] = [&surface.u, &surface.v].map(some_middles);
+    us.into_iter().flat_map(move |u| vs.clone().into_iter().map(move |v| Uv::new(u, v)))
+}
+
+/// The middles of spans, or some of many.
+fn some_middles(knots: &KnotVector) -> Vec<f64> {
+    let all = knots.middles(1);
+    let step = all.len().div_ceil(MOST_COMPARED).max(1);
+    all.into_iter().step_by(step).collect()
+}
+
 /// Whether the normals of a surface turn by more than a right angle between neighbouring places.
 fn is_folded(surface: &Surface) -> bool {
-    let places = [&surface.u, &surface.v].map(|knots| {
-        let all = knots.middles(1);
-        let step = all.len().div_ceil(MOST_COMPARED).max(1);
-        all.into_iter().step_by(step).collect::<Vec<f64>>()
-    });
+    let places = [&surface.u, &surface.v].map(some_middles);
     let normal = |u: f64, v: f64| {
         let jet = ParametricSurface::jet(surface, Uv::new(u, v));
         jet.su.cross(&jet.sv)

@@ -10,13 +10,19 @@ use std::sync::Arc;
 use super::fallback::SeamFault;
 use super::free_face::FreeSurface;
 use super::shell::{BuiltShell, shell};
-use super::{FacePatch, FacetForm, Work};
+use super::{FacePatch, FacetForm, FreeForms, Work};
 use crate::geometry::VertexId;
 use crate::geometry::sets::Sets;
 use crate::spline::Surface;
 
 /// Faces are divided so often. Each time halves them, so that facets are left in the end.
 const ROUNDS: usize = 24;
+
+/// So many facets of a clean mesh that hang together smoothly are a curved face whose surface is not known.
+const FEWEST_FACETS: usize = 5;
+
+/// Neighbouring facets of a curved face are at most so many times as wide as each other.
+const MOST_WIDER: f64 = 3.0;
 
 /// The vertices of a border that may become corners: those with the sharpest angles, and some in even distances.
 const SHARPEST: usize = 12;
@@ -30,14 +36,18 @@ pub struct FreeForm {
     pub(super) border: Vec<VertexId>,
     /// The places of the four corners in the border.
     pub(super) corners: [usize; 4],
+    /// The vertices where the border of a face of a clean mesh turns sharply.
+    kinks: BTreeSet<VertexId>,
     surface: Option<Surface>,
     off: f64,
+    passes: f64,
 }
 
 impl FreeForm {
-    /// Whether sides of the surface end at a vertex of the mesh.
+    /// Whether curves of the border end at a vertex of the mesh.
     pub(super) fn is_corner(&self, v: usize) -> bool {
         self.corners.iter().any(|&k| self.border[k].index() == v)
+            || self.kinks.contains(&VertexId(v as u32))
     }
 
     /// The surface of a face that was made.
@@ -48,6 +58,11 @@ impl FreeForm {
     /// The farthest that it is off its triangles, in mm.
     pub fn off(&self) -> f64 {
         self.off
+    }
+
+    /// Within how many mm it passes the vertices of a clean mesh.
+    pub fn passes(&self) -> f64 {
+        self.passes
     }
 }
 
@@ -67,7 +82,7 @@ impl Work<'_> {
 
     /// The shell with free-form faces in place of its facets as far as that is valid.
     pub(super) fn with_free_forms(mut self, built: BuiltShell) -> BuiltShell {
-        if self.is_open() {
+        if self.is_open() || self.free_forms == FreeForms::None {
             return built;
         }
         let (facets, exact): (Vec<_>, Vec<_>) =
@@ -97,7 +112,19 @@ impl Work<'_> {
             others.iter().for_each(|&other| sets.join(k, other));
         }
         let pick = |set: &Vec<u32>| set.iter().map(|&k| facets[k as usize].clone()).collect();
-        sets.members().iter().flat_map(|set| self.joined_facets(pick(set))).collect()
+        let made = |set: &Vec<u32>| {
+            let own: Vec<FacePatch> = pick(set);
+            if self.is_curved_face(&own) { self.joined_facets(own) } else { own }
+        };
+        sets.members().iter().flat_map(made).collect()
+    }
+
+    /// Whether facets that hang together are a curved face. Few ones in a clean mesh may be meant as they are, unless a curved face lost them.
+    fn is_curved_face(&self, facets: &[FacePatch]) -> bool {
+        let mut triangles = facets.iter().flat_map(|of| &of.triangles);
+        self.free_forms == FreeForms::Near
+            || facets.len() >= FEWEST_FACETS
+            || triangles.any(|&t| self.is_lost[t as usize])
     }
 
     /// A free-form face of facets that hang together. What has no border of one loop is divided.
@@ -153,11 +180,31 @@ impl Work<'_> {
         }
         let beside = |facet: &FacePatch, k: usize| {
             let sides = facet.triangles.iter().flat_map(|&t| 3 * t as usize..3 * t as usize + 3);
-            let twins = sides.filter_map(|side| self.edges.across(side));
-            let others = twins.filter_map(|twin| of.get(&((twin / 3) as u32)).copied());
-            others.filter(|&other| other != k).collect()
+            let others = sides.filter_map(|side| {
+                let twin = self.edges.across(side)?;
+                let other = *of.get(&((twin / 3) as u32))?;
+                let is_one = other != k && self.is_smooth(side, twin, [facet, &facets[other]]);
+                is_one.then_some(other)
+            });
+            others.collect()
         };
         facets.iter().enumerate().map(|(k, facet)| beside(facet, k)).collect()
+    }
+
+    /// Whether a free-form face may cross the edge between two facets. In a clean mesh it is neither sharp nor the border of a flat face,
+    /// which is much wider than the facets of a curved face beside it.
+    fn is_smooth(&self, side: usize, twin: usize, facets: [&FacePatch; 2]) -> bool {
+        let FreeForms::Through { turn, .. } = self.free_forms else { return true };
+        let (from, to) = self.mesh.side(side);
+        let from = self.mesh.point(from);
+        let along = (self.mesh.point(to) - from).normalize();
+        let width = |facet: &FacePatch| {
+            let vertices = facet.triangles.iter().flat_map(|&t| self.mesh.triangles[t as usize]);
+            let off = |v: VertexId| (self.mesh.point(v) - from).cross(&along).norm();
+            vertices.map(off).fold(0.0, f64::max)
+        };
+        let [a, b] = facets.map(width);
+        self.dihedral(side, twin) <= turn && a.max(b) <= MOST_WIDER * a.min(b)
     }
 
     /// The border and the corners of a free-form face, if its facets have one border.
@@ -167,7 +214,27 @@ impl Work<'_> {
         let corners = self.corners_of_border(&border, &triangles)?;
         let border = [&border[corners[0]..], &border[..corners[0]]].concat();
         let corners = corners.map(|k| (k + border.len() - corners[0]) % border.len());
-        Some(FreeForm { facets: Vec::new(), border, corners, surface: None, off: 0.0 })
+        let kinks = self.kinks_of(&border);
+        Some(FreeForm {
+            facets: Vec::new(),
+            border,
+            corners,
+            kinks,
+            surface: None,
+            off: 0.0,
+            passes: 0.0,
+        })
+    }
+
+    /// Where a border in a clean mesh turns by more than a smooth one.
+    fn kinks_of(&self, border: &[VertexId]) -> BTreeSet<VertexId> {
+        let FreeForms::Through { turn, .. } = self.free_forms else { return BTreeSet::new() };
+        let n = border.len();
+        let is_kink = |k: &usize| {
+            let [p, q, r] = [k + n - 1, *k, k + 1].map(|k| self.mesh.point(border[k % n]));
+            (q - p).angle(&(r - q)) > turn
+        };
+        (0..n).filter(is_kink).map(|k| border[k]).collect()
     }
 
     /// The border of some triangles counterclockwise, if they are a disk.
@@ -308,8 +375,10 @@ impl Work<'_> {
             facets: Vec::new(),
             border: form.border.clone(),
             corners: form.corners,
+            kinks: BTreeSet::new(),
             surface: Some(made.surface.clone()),
             off: made.off,
+            passes: made.passes,
         };
         FacePatch { form: FacetForm::Free(Arc::new(form)), ..patch }
     }

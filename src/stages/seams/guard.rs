@@ -9,7 +9,7 @@ use super::fallback::SeamFault;
 use super::free_face::FreeSurface;
 use super::network::ChainNetwork;
 use super::shell::none;
-use super::{EXACT, Work, leading};
+use super::{EXACT, FreeForms, Work, leading};
 use crate::geometry::{Point, VertexId};
 use crate::primitives::Primitive;
 
@@ -81,13 +81,17 @@ impl Work<'_> {
         free: &BTreeMap<usize, FreeSurface>,
     ) -> Result<(), Vec<SeamFault>> {
         let mut areas = vec![0.0; strips.len()];
-        let known = patch_of.iter().enumerate().filter(|of| !free.contains_key(of.1));
+        let is_known = |i: usize| self.free_forms != FreeForms::Near || !free.contains_key(&i);
+        let known = patch_of.iter().enumerate().filter(|of| is_known(*of.1));
         known.for_each(|(n, &i)| areas[i] += brep.face_area(FaceId(n)));
         let mut worst: (f64, Vec<usize>) = (0.0, Vec::new());
         let mut faults = Vec::new();
-        for (i, &strip) in strips.iter().enumerate().filter(|of| !free.contains_key(&of.0)) {
+        for (i, &strip) in strips.iter().enumerate().filter(|of| is_known(of.0)) {
             let own = areas[i];
-            let [low, meshed, high] = self.areas(i, strip);
+            let [low, meshed, high] = match free.contains_key(&i) {
+                true => self.free_areas(i, strip),
+                false => self.areas(i, strip),
+            };
             if !(own >= low && own <= high) {
                 let why = format!("its area {own} is not between {low} and {high}");
                 faults.push(SeamFault::new(&[i], why));
@@ -180,6 +184,14 @@ impl Work<'_> {
         // Edges that are off by what is exact cover as much.
         let slack = INTEGRALS * meshed + EXACT * around;
         [low - slack, meshed, high + slack]
+    }
+
+    /// The same of a free-form face, whose normals leave those of its triangles by no more than these turn.
+    fn free_areas(&self, i: usize, strip: f64) -> [f64; 3] {
+        // The length of the area vector is twice the area.
+        let meshed = 0.5 * self.patches[i].area(self.mesh);
+        let least = self.chord_error(i).turn.cos().powi(2);
+        [meshed * least - strip, meshed, meshed / least + strip]
     }
 
     /// The bounds of the volume: that of the mesh, and each triangle's area times its largest distance from the surface

@@ -1,9 +1,9 @@
 //! The points that lead the border of a free-form face: as few vertices of the mesh as tell where it is.
 
-use super::Work;
 use super::chart::array;
 use super::hermite::through;
 use super::network::ChainNetwork;
+use super::{FreeForms, Work};
 use crate::geometry::{Point, Vector, faired};
 
 /// A border passes its vertices within this share of their mean distance. A scan does not tell more: its noise is about as large.
@@ -25,9 +25,13 @@ impl Work<'_> {
                 continue;
             }
             let pair = self.pair(chain);
-            let points = faired(&chain.points, |_| true);
+            let is_noisy = self.free_forms == FreeForms::Near;
+            let points =
+                if is_noisy { faired(&chain.points, |_| true) } else { chain.points.clone() };
             let points: Vec<Point> = points.into_iter().map(|p| pair.project(p)).collect();
-            let points = led(&points, |p| pair.normal(p));
+            let most =
+                if is_noisy { PASSES * mean_step(&points) } else { self.limit_at(chain.error) };
+            let points = led(&points, most, |p| pair.normal(p));
             if points.iter().any(|p| !p.coords.iter().all(|x| x.is_finite())) {
                 continue;
             }
@@ -65,15 +69,20 @@ impl Work<'_> {
     }
 }
 
-/// The points among those of a polygon through which a curve passes all of them closely enough. What is along the normal of a surface does not
+/// The mean distance between neighbouring points.
+fn mean_step(points: &[Point]) -> f64 {
+    let steps = points.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+    steps.sum::<f64>() / (points.len() - 1).max(1) as f64
+}
+
+/// The points among those of a polygon through which a curve passes all of them within a length. What is along the normal of a surface does not
 /// count.
-fn led(points: &[Point], normal: impl Fn(Point) -> Option<Vector>) -> Vec<Point> {
+fn led(points: &[Point], most: f64, normal: impl Fn(Point) -> Option<Vector>) -> Vec<Point> {
     let n = points.len();
     let mut along = vec![0.0];
     for pair in points.windows(2) {
         along.push(along[along.len() - 1] + (pair[1] - pair[0]).norm());
     }
-    let most = PASSES * along[n - 1] / (n - 1).max(1) as f64;
     let mut kept = vec![0, n - 1];
     if n < 3 || points[0] == points[n - 1] {
         return points.to_vec();
@@ -136,7 +145,7 @@ mod tests {
     fn a_straight_border_needs_its_ends_only() {
         let at = |k: i32| Point::new(f64::from(k), 0.05 * f64::from(k % 2), 0.0);
         let points: Vec<Point> = (0..=20).map(at).collect();
-        assert_eq!(led(&points, |_| None), [points[0], points[20]]);
+        assert_eq!(led(&points, 0.1, |_| None), [points[0], points[20]]);
     }
 
     #[test]
@@ -146,7 +155,7 @@ mod tests {
             Point::new(10.0 * s.cos(), 10.0 * s.sin(), 0.0)
         };
         let points: Vec<Point> = (0..=40).map(at).collect();
-        let few = led(&points, |_| None);
+        let few = led(&points, 0.01, |_| None);
         assert!(few.len() < 12, "{}", few.len());
         assert!(points.iter().all(|&p| off_polygon(&few, p) < bend(&few) + 0.1));
     }

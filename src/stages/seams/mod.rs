@@ -17,6 +17,7 @@ mod agreement;
 mod arches;
 mod bores;
 mod chart;
+mod chords;
 mod coons;
 mod crossings;
 mod curves;
@@ -90,8 +91,25 @@ pub struct Options {
     pub name: String,
     /// The least share of the area that must not become facets, from 0 to 1. What needs more is given up early.
     pub least_exact: f64,
-    /// Whether facets that hang together become free-form faces.
-    pub free_form: bool,
+    /// Which facets become free-form faces.
+    pub free_forms: FreeForms,
+}
+
+/// Which facets become free-form faces.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum FreeForms {
+    /// None.
+    #[default]
+    None,
+    /// Those of a clean mesh that hang together smoothly: neighbours turn by at most so many radians. The faces pass through their vertices.
+    Through {
+        /// The angle.
+        turn: f64,
+        /// The farthest that a vertex may be off its face in mm. A tenth of the chord error of the face is enough, too.
+        within: f64,
+    },
+    /// Those of a scan that hang together. The faces are within its noise.
+    Near,
 }
 
 /// A face of which some or all triangles became facets.
@@ -195,6 +213,9 @@ struct Work<'a> {
     stretches: RimStretches,
     /// What the last patches are, which are walls on rims.
     walls: Vec<WallKind>,
+    free_forms: FreeForms,
+    /// For each triangle whether it was lost by a curved surface.
+    is_lost: Vec<bool>,
 }
 
 /// Makes the solids. Lengths are in mm.
@@ -240,8 +261,8 @@ fn made(
     for part in &parts {
         // What one of several parts may lose is not known.
         let least_exact = if parts.len() == 1 { options.least_exact } else { 0.0 };
-        let work = Work::new(part);
-        let (shell, own) = work.made(least_exact, options.free_form)?;
+        let work = Work::new(part, options.free_forms);
+        let (shell, own) = work.made(&Options { least_exact, ..options.clone() })?;
         made.push(shell);
         report.patches.extend(own.patches.into_iter().map(|patch| part.in_whole(patch)));
         report.facets += own.facets;
@@ -249,7 +270,7 @@ fn made(
         report.fallbacks.extend(own.fallbacks);
         report.gap = report.gap.max(own.gap);
     }
-    check_facets(mesh, &report.patches, &report.fallbacks, options.least_exact)?;
+    check_facets(mesh, &report.patches, &report.fallbacks, options)?;
     let brep = shells::join(&parts, made, &options.name);
     brep.check().map_err(|fault| SolidFault::Unsound(fault.to_string()))?;
     Ok((brep, report))
@@ -260,12 +281,15 @@ fn check_facets(
     mesh: &Mesh,
     patches: &[FacePatch],
     fallbacks: &[Fallback],
-    least_exact: f64,
+    options: &Options,
 ) -> Result<(), SolidFault> {
+    // Free-form faces of a clean mesh are as good as exact ones.
+    let is_clean = matches!(options.free_forms, FreeForms::Through { .. });
+    let is_left = |patch: &&FacePatch| patch.is_facet && !(is_clean && patch.free_form().is_some());
     let area = |patch: &FacePatch| patch.area(mesh);
     let all: f64 = patches.iter().map(area).sum();
-    let facets = patches.iter().filter(|patch| patch.is_facet).map(area).sum::<f64>() / all;
-    if facets <= 1.0 - least_exact || all == 0.0 {
+    let facets = patches.iter().filter(is_left).map(area).sum::<f64>() / all;
+    if facets <= 1.0 - options.least_exact || all == 0.0 {
         return Ok(());
     }
     let why = fallbacks.first().map_or("no surface has their corners", |first| &first.why).into();
@@ -273,7 +297,7 @@ fn check_facets(
 }
 
 impl<'a> Work<'a> {
-    fn new(part: &'a shells::ShellPart) -> Self {
+    fn new(part: &'a shells::ShellPart, free_forms: FreeForms) -> Self {
         let mut work = Work {
             mesh: &part.mesh,
             edge: mean_edge(&part.mesh),
@@ -286,6 +310,8 @@ impl<'a> Work<'a> {
             of_triangle: vec![0; part.mesh.triangles.len()],
             stretches: RimStretches::default(),
             walls: Vec::new(),
+            free_forms,
+            is_lost: vec![false; part.mesh.triangles.len()],
         };
         for patch in &part.patches {
             for set in work.joined(&patch.triangles).members() {
@@ -300,7 +326,7 @@ impl<'a> Work<'a> {
     }
 
     /// Tries to make the shell until nothing fails.
-    fn made(mut self, least_exact: f64, free_form: bool) -> Result<(Brep, Report), SolidFault> {
+    fn made(mut self, options: &Options) -> Result<(Brep, Report), SolidFault> {
         let mut fallbacks = Vec::new();
         let mut faults = self.loosen();
         loop {
@@ -309,11 +335,14 @@ impl<'a> Work<'a> {
                 return Err(SolidFault::Unsound(why));
             }
             self.drop_walls();
-            check_facets(self.mesh, &self.patches, &fallbacks, least_exact)?;
+            // Facets of clean meshes become free-form faces.
+            if !matches!(self.free_forms, FreeForms::Through { .. }) {
+                check_facets(self.mesh, &self.patches, &fallbacks, options)?;
+            }
             self.number();
             match shell::shell(&mut self) {
                 Ok(built) => {
-                    let built = if free_form { self.with_free_forms(built) } else { built };
+                    let built = self.with_free_forms(built);
                     let shell::BuiltShell { brep, gap, patches } = built;
                     let free_forms = patches.iter().filter(|p| p.free_form().is_some()).count();
                     let facets = patches.iter().filter(|p| p.is_facet).count() - free_forms;

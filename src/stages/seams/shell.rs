@@ -76,12 +76,11 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     brep.uncertainty_mm = KERNEL.max(SLACK * gap);
     let faces = (0..brep.faces.len()).map(FaceId).collect();
     brep.add_shell(Shell { faces, closed: !work.is_open() });
-    let faults = brep.face_faults().into_iter();
-    none(
-        faults
-            .map(|(face, fault)| SeamFault::new(&[patch_of[face.0]], fault.to_string()))
-            .collect(),
-    )?;
+    let (gap, faults) = face_faults(&mut brep, gap, work.limit);
+    let of = |(face, fault): (FaceId, ModelFault)| {
+        SeamFault::new(&[patch_of[face.0]], fault.to_string())
+    };
+    none(faults.into_iter().map(of).collect())?;
     none(crossings(work, &brep, &network, &patch_of))?;
     none(corner_poles(work, &brep, &network, &patch_of))?;
     brep.check().map_err(|fault| {
@@ -95,6 +94,22 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
         |(&i, triangles): (&usize, Vec<u32>)| FacePatch { triangles, ..work.made_patch(i, &free) };
     let patches = patch_of.iter().zip(triangles).map(of_face).collect();
     Ok(BuiltShell { brep, gap, patches })
+}
+
+/// The faults of faces, and the largest gap between edges and faces. The check measures it at more places than those who made the edges.
+fn face_faults(brep: &mut Brep, mut gap: f64, limit: f64) -> (f64, Vec<(FaceId, ModelFault)>) {
+    loop {
+        let faults = brep.face_faults();
+        let off = |(_, fault): &(FaceId, ModelFault)| match fault {
+            ModelFault::OffSurface(_, off) if *off <= limit => Some(*off),
+            _ => None,
+        };
+        let Some(off) = faults.iter().filter_map(off).reduce(f64::max) else {
+            return (gap, faults);
+        };
+        gap = gap.max(off);
+        brep.uncertainty_mm = KERNEL.max(SLACK * gap);
+    }
 }
 
 /// An error unless there are no faults.
