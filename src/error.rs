@@ -43,6 +43,9 @@ pub enum Error {
         /// Why there are no B-spline faces.
         error: Box<Error>,
     },
+    /// A part is to be turned to its main plane and axis, but there are none.
+    #[error("cannot be aligned, as {0}")]
+    Unaligned(String),
     /// No triangle is left once unusable ones are dropped.
     #[error("no usable triangle: {0}")]
     Empty(String),
@@ -381,6 +384,9 @@ impl Error {
             Error::Scan { error, .. }
             | Error::Piece { error, .. }
             | Error::Splines { error, .. } => error.help(),
+            Error::Unaligned(_) => {
+                "leave out `align`, and turn the part in CAD; or let the whole part be scanned".into()
+            }
             Error::Empty(_) => {
                 "check the export: the scan must be a triangle mesh with finite coordinates".into()
             }

@@ -27,6 +27,8 @@ def convert(
     component: Union[str, int] = "auto",
     surfaces: str = "auto",
     keep_polygons: bool = False,
+    regularize: bool = False,
+    align: bool = False,
     edges: Union[str, float] = "auto",
     face_count: Optional[int] = None,
     handles: Optional[float] = None,
@@ -80,6 +82,9 @@ def convert(
     :param surfaces: ``"auto"`` finds planes, cylinders, cones, spheres and tori on such a mesh; ``"spline"`` makes
         B-splines.
     :param keep_polygons: leave prisms of few sides flat where a cylinder has all their corners.
+    :param align: turn a part so that its main plane lies in z = 0 and its main axis is one of the world; ``placement`` has the
+        matrix.
+    :param regularize: make radii, angles and distances of planes in the scan of a part round where that is within two standard deviations.
     :param edges: where exact faces end. ``"auto"``: where another surface begins; an angle in degrees: also at every edge
         of the mesh that turns by more; ``"off"``: nowhere, so that the faces are B-splines.
     :param face_count: about how many faces a solid or a shell gets.

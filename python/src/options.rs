@@ -90,6 +90,8 @@ fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
             &[("auto", SurfaceChoice::Auto), ("spline", SurfaceChoice::Spline)],
         )?),
         "keep_polygons" => builder.keep_polygons(value.extract()?),
+        "regularize" => builder.regularize(value.extract()?),
+        "align" => builder.align(value.extract()?),
         "edges" => builder.edges(match value.extract::<f64>() {
             Ok(degrees) => EdgeChoice::Degrees(degrees),
             Err(_) => word(

@@ -1,9 +1,11 @@
 //! `scan2step check`: how far a CAD file is from a scan.
 
 use std::io::stdin;
+use std::path::Path;
 
 use formats::SceneContent;
 use formats::cad::{CadModel, read_cad, read_cad_stream};
+use formats::scene::Placement;
 use scan2step::report::{CheckFigures, DistanceFigures, MeasuredComponents, ScanSource};
 use scan2step::words::{box_extents, grouped, mm, plain_mm, plural};
 use scan2step::{SceneParts, check};
@@ -23,9 +25,12 @@ pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
         let help = format!("name the CAD file first: scan2step check {cad} {scan}");
         return Err(Failure { error, help });
     }
+    let placement = args.placement.as_deref().map(placement_of).transpose()?;
     let model = if args.cad.is_stdin { read_cad_stream(cad, stdin())? } else { read_cad(cad)? };
     let content = input::read_content(&args.piece)?;
     let content = match assembly_of(args, content)? {
+        // Parts of several are not aligned.
+        Ok(_) if placement.is_some() => return Err(no_placement(args)),
         Ok(parts) => return check_parts(args, &model, parts),
         Err(content) => content,
     };
@@ -42,9 +47,10 @@ pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
         left_out: measured.left_out,
     };
     drop(components);
-    let measured = match args.piece.cloud.origin {
-        Origin::Keep => measured.translated(scan.source.origin_mm),
-        Origin::Local => measured,
+    let measured = match (&placement, args.piece.cloud.origin) {
+        (Some(by), _) => measured.translated(scan.source.origin_mm).placed(by),
+        (None, Origin::Keep) => measured.translated(scan.source.origin_mm),
+        (None, Origin::Local) => measured,
     };
     let found = check::check(&model, &measured.mesh, measured.points.as_deref());
     let found = found.map_err(|e| input::stopped(&args.cad.name, &e))?;
@@ -52,6 +58,36 @@ pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
     let scan = (&scan.source, parts);
     let figures = CheckFigures::of(&found, cad, scan, args.tolerance, args.outliers);
     tell(args, &figures)
+}
+
+/// The placement in a report.
+fn placement_of(report: &Path) -> Result<Placement, Failure> {
+    let failure = |error: String| Failure {
+        error: format!("{}: {error}", report.display()),
+        help: "name the JSON file that `convert --align --report FILE.json` has written".into(),
+    };
+    let text =
+        std::fs::read_to_string(report).map_err(|e| failure(format!("cannot be read: {e}")))?;
+    let read: serde_json::Value =
+        serde_json::from_str(&text).map_err(|e| failure(format!("is no JSON: {e}")))?;
+    let rows: Option<[[f64; 4]; 3]> =
+        serde_json::from_value(read["placement"].clone()).ok().flatten();
+    let rows = rows.ok_or_else(|| failure("has no placement".into()))?;
+    Ok(Placement {
+        axes: [0, 1, 2].map(|k| rows.map(|row| row[k])),
+        translation: rows.map(|row| row[3]),
+    })
+}
+
+/// The error of a placement of a file with several parts.
+fn no_placement(args: &Check) -> Failure {
+    Failure {
+        error: format!(
+            "{}: has several parts, which are not aligned",
+            args.piece.scan.name.display()
+        ),
+        help: "leave out --placement".into(),
+    }
 }
 
 /// The parts of the scan, if it is an assembly and no component of all meshes is named. Otherwise its content.

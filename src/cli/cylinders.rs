@@ -1,7 +1,7 @@
 //! What `convert` says of the cylinders of a part, and of what was moved within the rounding of the file.
 
 use scan2step::ExactFit;
-use scan2step::report::ExactFigures;
+use scan2step::report::{ExactFigures, SizeFigures};
 use scan2step::words::{plural, significant};
 
 use super::progress::ProgressDisplay;
@@ -24,9 +24,31 @@ pub(crate) fn say(progress: &ProgressDisplay, of: &str, exact: &ExactFit) {
     if !relations.is_empty() {
         progress.say(&format!("{of}relations: {}", relations.join("; ")));
     }
+    sizes(progress, of, &figures.round_sizes);
     let snaps = figures.snap_phrases();
     if !snaps.is_empty() {
         progress.say(&format!("{of}moved within the rounding: {}", snaps.join(", ")));
+    }
+}
+
+/// Says which sizes of a scan are round, or were made so.
+fn sizes(progress: &ProgressDisplay, of: &str, sizes: &[SizeFigures]) {
+    for is_taken in [true, false] {
+        let own: Vec<String> =
+            sizes.iter().filter(|size| size.taken == is_taken).map(SizeFigures::phrase).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let named = own.iter().take(MOST_LINES).cloned().collect::<Vec<_>>().join("; ");
+        let more = match own.len().saturating_sub(MOST_LINES) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let (word, how) = match is_taken {
+            true => ("made round", ""),
+            false => ("round within two standard deviations", " (--regularize to take them)"),
+        };
+        progress.say(&format!("{of}{word}: {named}{more}{how}"));
     }
 }
 

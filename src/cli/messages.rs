@@ -1,7 +1,7 @@
 //! The messages of `convert`: what it read, what each stage made, and the result.
 
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
-use scan2step::report::{ScanSource, SurfaceCounts};
+use scan2step::report::{ScanSource, SurfaceCounts, placement_rows};
 use scan2step::words::{grouped, mm, plain_mm, plural, repair, tolerance_reason};
 use scan2step::{Body, BodyFit, ExactFit, InputReport, Stage, SurfaceFit, TargetShape};
 
@@ -163,6 +163,14 @@ pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
         progress.say(&format!(
             "steps: all heights along one axis are multiples of {}, which is taken for noise",
             mm(step)
+        ));
+    }
+    if let Some(by) = &c.placement {
+        let rows = placement_rows(by).map(|row| row.map(|x| format!("{x:.6}")).join(" "));
+        progress.say(&format!(
+            "{}aligned: the main plane lies in z = 0; the matrix from the scan is ({})",
+            of_piece(args, &c.input),
+            rows.join("; ")
         ));
     }
     if let Some(exact) = c.exact() {

@@ -54,6 +54,8 @@ pub(crate) fn options(args: &Convert) -> Result<Options, Failure> {
             SurfacesChoice::Spline => SurfaceChoice::Spline,
         })
         .keep_polygons(how.keep_polygons)
+        .regularize(how.regularize)
+        .align(how.align)
         .edges(how.edges)
         .faces(how.faces)
         .fit(match how.fit {

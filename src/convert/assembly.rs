@@ -203,7 +203,7 @@ fn of_parts(options: &Options) -> Options {
 /// whole, unless the scene has one root. The scene comes back.
 ///
 /// # Errors
-/// [`Error::Stopped`] if `watch` stopped a part, [`Error::MaxMemory`] if the parts may need more memory than the options
+/// [`Error::Unaligned`] if the parts are to be aligned, [`Error::Stopped`] if `watch` stopped a part, [`Error::MaxMemory`] if the parts may need more memory than the options
 /// allow, or the system starts no more threads.
 pub fn convert_scene(
     parts: SceneParts,
@@ -212,6 +212,9 @@ pub fn convert_scene(
     watch: &PartObserver,
 ) -> Result<(Scene, AssemblyConversion)> {
     let SceneParts { scene, parts } = parts;
+    if options.align {
+        return Err(Error::Unaligned("several parts keep their places to each other".into()));
+    }
     if let Some(most) = options.max_memory {
         Memory::of_scene(&scene, options).check(most)?;
     }

@@ -98,6 +98,7 @@ pub(super) fn body(
         face_to_scan: to_scan.report().scaled(mm),
         brep,
         origin: [0.0; 3],
+        placement: None,
         hints: Vec::new(),
         stand_ins: patch.stand_ins,
         vertices: raw.map,

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use formats::scene::Placement;
+
 use super::conversion::{Body, Part, placed};
 use super::exact::{self, Exact};
 use super::lengths::Shown;
@@ -39,6 +41,10 @@ pub(super) fn converted(
             Exact::NotTried(why) => fallback = Some(why),
             Exact::Unsuited => {}
         }
+    }
+    if options.align {
+        let why = fallback.unwrap_or_else(|| "no exact faces of significance were found".into());
+        return Err(Error::Unaligned(why));
     }
     let made = with_splines(scan, options, watch);
     let mut made = made.map_err(|error| error.instead_of_exact(fallback.as_ref()))?;
@@ -216,5 +222,10 @@ fn one_body(
 /// The body with the place from which the scan is measured.
 fn placed_body(body: Body, scan: &Components, options: &Options) -> Body {
     let origin = scan.origin();
+    // The places of an aligned body are no longer those of the scan, wherever these are measured from.
+    if let Some(own) = body.placement {
+        let away = Placement { axes: Placement::IDENTITY.axes, translation: origin.map(|x| -x) };
+        return Body { placement: Some(own.after(&away)), ..body };
+    }
     Body { brep: placed(body.brep, origin, options.keeps_origin), origin, ..body }
 }

@@ -2,6 +2,7 @@
 
 use formats::Brep;
 use formats::brep::ShellId;
+use formats::scene::Placement;
 use rayon::prelude::*;
 
 use super::{InputReport, TargetShape};
@@ -9,12 +10,12 @@ use crate::deviation::{Deviation, FaceToScan, TrimmedFace, of_network};
 use crate::error::{BrepFault, Error, Result};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{Mesh, StandIns, Triangles, VertexMap};
-use crate::primitives::Primitive;
+use crate::primitives::{Primitive, Uncertainty};
 use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::adapt::Adapted;
 use crate::stages::regions::Snap;
 use crate::stages::seams::{ClosedGap, Fallback};
-use crate::stages::sharpen::Riser;
+use crate::stages::sharpen::{Riser, SizeKind};
 use crate::stages::{fill, layout, net, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
 
@@ -80,6 +81,8 @@ pub struct Body {
     /// Where the places of the conversion are measured from in the scan's own frame: zero,
     /// or a point near a cloud that is far from zero.
     pub origin: [f64; 3],
+    /// Where [`Builder::align`](super::Builder::align) has put the body: places of the scan's own frame in mm, and where they are now.
+    pub placement: Option<Placement>,
     /// What could be better, and what to do about it: a sentence each. Options have the
     /// names that they have on the command line.
     pub hints: Vec<String>,
@@ -124,6 +127,8 @@ pub struct ExactFit {
     pub risers: Vec<Riser>,
     /// What was moved within the rounding of the file.
     pub snaps: Vec<Snap>,
+    /// Sizes of a scan that are round within two standard deviations.
+    pub round_sizes: Vec<FaceSize>,
     /// The share of the area that is neither facets nor free-form.
     pub explained: f64,
     /// The bound of the errors of the vertices in mm: the rounding of the file, or of the program that computed them. 0 if
@@ -153,6 +158,26 @@ pub struct ExactFace {
     pub max: f64,
     /// The number of its vertices.
     pub points: usize,
+    /// How exactly a scan tells the surface. `None` for clean meshes, and where few vertices tell it.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// A size of faces that is round within two standard deviations. Lengths are in mm, and angles in radians.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct FaceSize {
+    /// What it is.
+    pub kind: SizeKind,
+    /// The faces that have it. Of a distance the two planes.
+    pub faces: Vec<usize>,
+    /// The value that the scan tells.
+    pub value: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+    /// The round number.
+    pub round: f64,
+    /// Whether the faces have it.
+    pub is_taken: bool,
 }
 
 /// One trimmed surface, and what its stages found.
@@ -264,6 +289,11 @@ impl ExactFit {
 }
 
 impl Conversion {
+    /// Where [`Builder::align`](super::Builder::align) has put the parts: places of the scan's own frame in mm, and where they are now.
+    pub fn placement(&self) -> Option<Placement> {
+        self.bodies().find_map(|body| body.placement)
+    }
+
     /// The only body, if there is one.
     pub fn into_body(mut self) -> Option<Body> {
         let bodies = &mut self.parts.pop()?.bodies;
@@ -296,6 +326,16 @@ impl Part {
 }
 
 impl Body {
+    /// A place of the body in the scan's own frame, in mm.
+    pub(super) fn in_scan(&self, at: Point) -> Point {
+        let Some(Placement { axes, translation }) = self.placement else {
+            return at + Vector::from(self.origin);
+        };
+        // The inverse of a turn is its transpose.
+        let off = at.coords - Vector::from(translation);
+        Point::from(axes.map(|axis| Vector::from(axis).dot(&off)))
+    }
+
     /// The surface and its figures, if the body is one face.
     pub fn face(&self) -> Option<&SurfaceFit> {
         match &self.fit {

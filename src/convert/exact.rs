@@ -2,19 +2,21 @@
 //! program made it, so that its vertices lie on their surfaces within the rounding of the file.
 
 use formats::Brep;
+use formats::scene::Placement;
 
+use super::align::{self, Datum};
 use super::conversion::{Body, BodyFit};
 use super::exact_body::{ExactBody, each, turned};
 use super::exact_distances::Distances;
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
 use super::{EdgeChoice, Options, TargetShape, exact_choice};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::{Choice, Components, Mesh};
 use crate::noise::Terraces;
-use crate::primitives::PrimitiveKind;
+use crate::primitives::{Primitive, PrimitiveKind};
 use crate::stages::regions::{
-    self, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation, VertexErrors,
+    self, FaceRegion, FileRounding, FlatPairs, RegionOrigin, Regions, Tessellation, VertexErrors,
 };
 use crate::stages::seams::{self, ClosedGap, FacePatch, FacetForm, SolidFault};
 use crate::words::plural;
@@ -115,7 +117,9 @@ pub(super) fn exact(
     });
     // What one of several components may lose is not known.
     let least_exact = if shapes.len() == 1 { regions::MOST_OF_IT } else { 0.0 };
-    let of_one = |one, watch: &mut Observer| body(one, least_exact, scan, options, watch);
+    let mut placement = None;
+    let of_one =
+        |one, watch: &mut Observer| body(one, least_exact, scan, options, &mut placement, watch);
     let made = each(found.collect(), watch, of_one)?;
     Ok(match (&made, options.shape) {
         (Exact::Bodies(bodies), _)
@@ -277,19 +281,54 @@ fn sewn(
     Ok(Sewn { brep, report, mesh: closed.mesh, gaps: closed.gaps })
 }
 
+/// The surfaces of regions in mm that may be datums.
+fn datums(regions: &Regions, mesh: &Mesh, mm: f64) -> Vec<Datum> {
+    let faces = regions.regions.iter().filter(|region| region.origin != RegionOrigin::Facet);
+    let datum = |region: &FaceRegion| Datum {
+        surface: region.surface.scaled(mm),
+        side: region.side,
+        area: region
+            .triangles
+            .iter()
+            .map(|&t| mesh.area_vector(mesh.triangles[t as usize]).norm())
+            .sum(),
+    };
+    faces.map(datum).collect()
+}
+
+/// Puts the surfaces of regions, whose unit has so many mm, at their new place.
+fn align_regions(regions: &mut Regions, by: &Placement, mm: f64) {
+    let moved = |of: &mut Primitive| *of = align::moved(&of.scaled(mm), by).scaled(1.0 / mm);
+    regions.regions.iter_mut().for_each(|region| moved(&mut region.surface));
+    for snap in &mut regions.snaps {
+        moved(&mut snap.before);
+        moved(&mut snap.after);
+    }
+}
+
 /// Makes the body of one component, or says why there is no valid one.
 fn body(
     found: ExactComponent,
     least_exact: f64,
     scan: &Components,
     options: &Options,
+    placement: &mut Option<Placement>,
     watch: &mut Observer,
 ) -> Result<std::result::Result<Body, String>> {
-    let ExactComponent { shape, mesh, input, errors, factor, regions, .. } = found;
+    let ExactComponent { shape, mesh, input, errors, factor, mut regions, .. } = found;
     let mm = scan.mm();
     // Vertices are found by their coordinates in the unit of the mesh.
     let vertices = scan.vertices_of(&mesh.points);
-    let mesh = mesh.scaled(mm);
+    let mut mesh = mesh.scaled(mm);
+    if options.align {
+        let Some(by) = placement.or_else(|| align::placement(&datums(&regions, &mesh, mm), &mesh))
+        else {
+            return Err(Error::Unaligned("it has no plane and no axis".into()));
+        };
+        *placement = Some(by);
+        align_regions(&mut regions, &by, mm);
+        mesh = align::moved_mesh(mesh, &by);
+    }
     let errors: Vec<f64> = errors.into_iter().map(|e| mm * e).collect();
     let disk =
         crate::mesh::Disk { mesh, outer: Vec::new(), holes: Vec::new(), islands: Vec::new() };
@@ -336,10 +375,12 @@ fn body(
         deviation: distances.deviation(&mesh.points[..measured[0]]),
         mesh,
         mm,
+        placement: *placement,
         report,
         gaps,
         risers: Vec::new(),
         snaps: regions.snaps,
+        round_sizes: Vec::new(),
         distances,
         tolerance: passes.max(regions::MOST_ERRORS * rounding),
         rounding,

@@ -1,8 +1,9 @@
 //! The bodies of components with exact faces, from what their seams made.
 
 use formats::Brep;
+use formats::scene::Placement;
 
-use super::conversion::{Body, BodyFit, ExactFit, Missed};
+use super::conversion::{Body, BodyFit, ExactFit, FaceSize, Missed};
 use super::exact::Exact;
 use super::exact_distances::Distances;
 use super::input::InputReport;
@@ -25,10 +26,13 @@ pub(super) struct ExactBody {
     /// The mesh whose vertices are on the faces.
     pub mesh: Mesh,
     pub mm: f64,
+    /// Where the mesh was put.
+    pub placement: Option<Placement>,
     pub report: Report,
     pub gaps: Vec<ClosedGap>,
     pub risers: Vec<Riser>,
     pub snaps: Vec<Snap>,
+    pub round_sizes: Vec<FaceSize>,
     pub distances: Distances,
     pub deviation: Deviation,
     /// The tolerance if none is named.
@@ -64,6 +68,7 @@ impl ExactBody {
             face_to_scan: distances.to_triangles,
             brep,
             origin: [0.0; 3],
+            placement: self.placement,
             hints: Vec::new(),
             stand_ins: None,
             vertices,
@@ -79,6 +84,7 @@ impl ExactBody {
                 gaps: self.gaps,
                 risers: self.risers,
                 snaps: self.snaps,
+                round_sizes: self.round_sizes,
                 explained: distances.explained,
                 rounding: self.rounding,
                 rounding_factor: self.rounding_factor,

@@ -165,7 +165,7 @@ fn faces_of(mesh: &Mesh, patches: &[FacePatch]) -> Vec<u32> {
 fn unmeasured(patch: &FacePatch) -> ExactFace {
     let &FacePatch { surface, side, is_facet, .. } = patch;
     let is_free = patch.free_form().is_some();
-    ExactFace { surface, side, is_facet, is_free, rms: 0.0, max: 0.0, points: 0 }
+    ExactFace { surface, side, is_facet, is_free, rms: 0.0, max: 0.0, points: 0, uncertainty: None }
 }
 
 fn measure(of: &mut ExactFace, distance: f64) {

@@ -113,6 +113,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
         deviation: deviation.scaled(mm),
         vertex_deviation,
         origin: [0.0; 3],
+        placement: None,
         hints: Vec::new(),
         stand_ins: map.patch.stand_ins,
         vertices: raw.map,

@@ -47,7 +47,7 @@ impl PartColours {
                 .par_iter()
                 .map(|samples| {
                     let colour = |(at, weight): &(Point, f64)| {
-                        (colours[triangles.nearest(at + Vector::from(body.origin)).1], *weight)
+                        (colours[triangles.nearest(body.in_scan(*at)).1], *weight)
                     };
                     most(samples.iter().map(colour))
                 })

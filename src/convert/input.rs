@@ -1,5 +1,7 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
+use formats::scene::Placement;
+
 use super::estimate::{BodyEstimate, estimate};
 use super::exact::{self, ExactEstimate};
 use super::shape::{TargetShape, shape_and_reason};
@@ -201,6 +203,14 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// The same where a conversion has put it ([`Conversion::placement`](super::Conversion::placement)).
+    #[must_use]
+    pub fn placed(mut self, by: &Placement) -> Self {
+        let points = self.mesh.points.iter_mut().chain(self.points.iter_mut().flatten());
+        points.for_each(|p| *p = Point::from(by.apply((*p).coords.into())));
+        self
+    }
+
     /// The same moved by a vector.
     #[must_use]
     pub fn translated(mut self, by: [f64; 3]) -> Self {

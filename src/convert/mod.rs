@@ -2,6 +2,7 @@
 //! and each way from a component to a body has a file of its own, which calls the stages in its order: a sheet
 //! becomes one face (`face.rs`), and anything else a solid or a shell of several faces (`body.rs`).
 
+mod align;
 mod assembly;
 mod body;
 mod cloud;
@@ -39,8 +40,8 @@ pub use assembly::{
 };
 pub use cloud::{cloud_components, mesh_components};
 pub use conversion::{
-    Body, BodyFit, Conversion, ExactFace, ExactFit, LeftFilled, Missed, NetworkFit, Part, Seams,
-    SurfaceFit,
+    Body, BodyFit, Conversion, ExactFace, ExactFit, FaceSize, LeftFilled, Missed, NetworkFit, Part,
+    Seams, SurfaceFit,
 };
 pub use cut::Cut;
 pub use estimate::BodyEstimate;

@@ -1,20 +1,25 @@
 //! The way from a noisy scan of a part to a solid of exact faces: mesh → regions → sharpen → seams → deviation. The surfaces of the
 //! regions follow the noise only as far as their fits do, and the edges lie where surfaces meet.
 
-use super::conversion::Body;
+use formats::scene::Placement;
+
+use super::align::{self, Datum};
+use super::conversion::{Body, ExactFace, FaceSize};
 use super::exact::Exact;
 use super::exact_body::{ExactBody, each, turned};
 use super::exact_distances::Distances;
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
 use super::{Options, TargetShape};
-use crate::error::Result;
-use crate::geometry::NONE;
+use crate::error::{Error, Result};
+use crate::geometry::{NONE, Point};
 use crate::mesh::{Choice, Components, Disk, Mesh};
 use crate::primitives::Primitive;
 use crate::stages::regions::{self, Regions, ScanNoise};
 use crate::stages::seams::{self, FacePatch, FacetForm};
-use crate::stages::sharpen::{self, Riser, ScanSurface, Sharpened, sharpen};
+use crate::stages::sharpen::{
+    self, Riser, RoundSize, ScanSurface, Sharpened, Size, SizeKind, sharpen,
+};
 use crate::statistics::outlying;
 
 /// A scan is one of a part if at least this share of its area lies on exact surfaces.
@@ -81,7 +86,8 @@ pub(super) fn scanned(
     }
     watch(Stage::Begin { shape: TargetShape::Solid, components: found.len(), why: None })?;
     let found = found.into_iter().map(|one| (one.component, one)).collect();
-    each(found, watch, |one, watch| body(one, scan, options, watch))
+    let mut placement = None;
+    each(found, watch, |one, watch| body(one, scan, options, &mut placement, watch))
 }
 
 /// The surfaces of the regions, each once, and for each triangle its surface.
@@ -101,10 +107,41 @@ fn surfaces_of(regions: &Regions) -> (Vec<ScanSurface>, Vec<u32>) {
     (surfaces, regions.of_triangle.iter().map(of).collect())
 }
 
+/// The same in mm.
+fn in_mm(made: Sharpened, mm: f64) -> Sharpened {
+    let surface = |of: ScanSurface| ScanSurface { surface: of.surface.scaled(mm), ..of };
+    let size = |of: RoundSize| {
+        let unit = if of.kind == SizeKind::Own(Size::HalfAngle) { 1.0 } else { mm };
+        let [value, deviation, round] = [of.value, of.deviation, of.round].map(|x| unit * x);
+        RoundSize { value, deviation, round, ..of }
+    };
+    let uncertainties = made.uncertainties.into_iter();
+    Sharpened {
+        mesh: made.mesh.scaled(mm),
+        surfaces: made.surfaces.into_iter().map(surface).collect(),
+        uncertainties: uncertainties.map(|of| of.map(|of| of.scaled(mm))).collect(),
+        round_sizes: made.round_sizes.into_iter().map(size).collect(),
+        risers: made.risers.into_iter().map(|of| Riser { place: of.place * mm, ..of }).collect(),
+        ..made
+    }
+}
+
+/// The surfaces that may be datums, in mm.
+fn datums(made: &Sharpened) -> Vec<Datum> {
+    let mut areas = vec![0.0; made.surfaces.len()];
+    for (t, &surface) in made.of_triangle.iter().enumerate().filter(|of| *of.1 != NONE) {
+        areas[surface as usize] += made.mesh.area_vector(made.mesh.triangles[t]).norm();
+    }
+    let datum =
+        |(of, area): (&ScanSurface, f64)| Datum { surface: of.surface, side: of.side, area };
+    made.surfaces.iter().zip(areas).map(datum).collect()
+}
+
 /// The patches of a mesh in mm: one for each surface, and one for each triangle that has none.
-fn patches_of(made: &Sharpened, mesh: &Mesh, mm: f64) -> Vec<FacePatch> {
+fn patches_of(made: &Sharpened) -> Vec<FacePatch> {
+    let mesh = &made.mesh;
     let patch = |of: &ScanSurface| FacePatch {
-        surface: of.surface.scaled(mm),
+        surface: of.surface,
         side: of.side,
         is_facet: false,
         form: FacetForm::Flat,
@@ -148,6 +185,7 @@ fn body(
     found: ScannedComponent,
     scan: &Components,
     options: &Options,
+    placement: &mut Option<Placement>,
     watch: &mut Observer,
 ) -> Result<std::result::Result<Body, String>> {
     let ScannedComponent { shape, mesh, input, noise, regions, .. } = found;
@@ -156,25 +194,42 @@ fn body(
     let vertices = scan.vertices_of(&mesh.points);
     let disk = Disk { mesh, outer: Vec::new(), holes: Vec::new(), islands: Vec::new() };
     let (surfaces, of_triangle) = surfaces_of(&regions);
-    let how = sharpen::Options { noise: noise.deviation, correlation: noise.common() };
+    let how = sharpen::Options {
+        noise: noise.deviation,
+        correlation: noise.common(),
+        unit: 1.0 / scan.unit(),
+        regularize: options.regularize,
+    };
     let made = sharpen(&disk.mesh, &surfaces, &of_triangle, &how);
-    let shown = Disk { mesh: disk.mesh.scaled(mm), ..disk };
+    let mut made = in_mm(made, mm);
+    let mut shown = Disk { mesh: disk.mesh.scaled(mm), ..disk };
+    if options.align {
+        let Some(by) = placement.or_else(|| align::placement(&datums(&made), &made.mesh)) else {
+            return Err(Error::Unaligned("it has no plane and no axis".into()));
+        };
+        *placement = Some(by);
+        made.surfaces.iter_mut().for_each(|of| of.surface = align::moved(&of.surface, &by));
+        made.mesh = align::moved_mesh(made.mesh, &by);
+        made.risers.iter_mut().for_each(|of| of.place = Point::from(by.apply(of.place.into())));
+        shown.mesh = align::moved_mesh(shown.mesh, &by);
+    }
     watch(Stage::Mesh(&shown))?;
     let measured = shown.mesh;
     watch(Stage::Regions(&regions))?;
-    let mesh = made.mesh.clone().scaled(mm);
-    let patches = patches_of(&made, &mesh, mm);
+    let patches = patches_of(&made);
+    let mesh = made.mesh.clone();
     let errors = vec![PLACED; mesh.points.len()];
     let name = options.name.clone();
     let free_forms = seams::FreeForms::Near;
     let wanted = seams::Options { name, least_exact: LEAST_EXACT, free_forms };
     let (brep, mut report) = match seams::solid(&mesh, &errors, patches, &wanted) {
         Ok(made) => made,
-        Err(why) => return Ok(Err(rounded(&why.to_string(), &made, mm))),
+        Err(why) => return Ok(Err(rounded(&why.to_string(), &made))),
     };
     watch(Stage::Brep)?;
     let brep = turned(shape, brep, &mut report.patches);
-    let distances = Distances::of_scan(&measured, &mesh, &report.patches);
+    let mut distances = Distances::of_scan(&measured, &mesh, &report.patches);
+    let round_sizes = add_sizes(&mut distances.of_faces, &made);
     watch(Stage::Deviation)?;
     let noise = mm * noise.deviation;
     let made_body = ExactBody {
@@ -184,10 +239,12 @@ fn body(
         brep,
         mesh,
         mm,
+        placement: *placement,
         report,
         gaps: Vec::new(),
-        risers: made.risers.into_iter().map(|of| Riser { place: of.place * mm, ..of }).collect(),
+        risers: made.risers,
         snaps: Vec::new(),
+        round_sizes,
         deviation: distances.deviation(&measured.points),
         distances,
         tolerance: outlying(measured.points.len()) * noise,
@@ -198,9 +255,31 @@ fn body(
     Ok(Ok(made_body.finished(options)))
 }
 
+/// Gives faces the uncertainties of their surfaces, and returns the round sizes of faces.
+fn add_sizes(faces: &mut [ExactFace], made: &Sharpened) -> Vec<FaceSize> {
+    let mut of_surface: Vec<Vec<usize>> = vec![Vec::new(); made.surfaces.len()];
+    for (number, face) in faces.iter_mut().enumerate().filter(|(_, face)| !face.is_facet) {
+        let own = made.surfaces.iter().position(|of| of.surface == face.surface);
+        let Some(own) = own else { continue };
+        face.uncertainty = made.uncertainties[own];
+        of_surface[own].push(number);
+    }
+    let size = |of: &RoundSize| {
+        let first = &of_surface[of.surface];
+        let faces = match of.kind {
+            SizeKind::Own(_) => first.clone(),
+            SizeKind::Distance(other) => vec![*first.first()?, *of_surface[other].first()?],
+        };
+        let &RoundSize { kind, value, deviation, round, is_taken, .. } = of;
+        let size = FaceSize { kind, faces, value, deviation, round, is_taken };
+        (!size.faces.is_empty()).then_some(size)
+    };
+    made.round_sizes.iter().filter_map(size).collect()
+}
+
 /// Why there is no solid of exact faces, with a place whose edges are rounded for that.
-fn rounded(why: &str, made: &Sharpened, mm: f64) -> String {
-    let place = made.risers.first().map(|riser| (riser.why, riser.place * mm));
+fn rounded(why: &str, made: &Sharpened) -> String {
+    let place = made.risers.first().map(|riser| (riser.why, riser.place));
     match place {
         Some((apart, p)) => format!(
             "{why}; edges are rounded, the first one near ({:.3}, {:.3}, {:.3}), where {apart}",

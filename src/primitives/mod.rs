@@ -8,10 +8,12 @@ mod fit;
 mod motions;
 mod parameters;
 mod primitive;
+pub(crate) mod round_numbers;
 mod starts;
 pub(crate) mod tangency;
 #[cfg(test)]
 mod tests;
+mod uncertainty;
 
 pub use fit::{FitOptions, FitSample, PrimitiveFit, fit};
 pub use motions::{Covariance, MOST_PARAMETERS, MotionRow, Motions};
@@ -19,3 +21,4 @@ pub use parameters::PatchRange;
 pub use primitive::{Primitive, PrimitiveKind};
 pub(crate) use starts::with_axis;
 pub use starts::{OrientedPoint, starts};
+pub use uncertainty::Uncertainty;

@@ -61,6 +61,11 @@ impl Motions {
         self.surface
     }
 
+    /// The point that the turns are about.
+    pub(crate) fn pivot(&self) -> Point {
+        self.pivot
+    }
+
     /// The distance of a point, and its derivatives by the motions.
     pub(crate) fn row(&self, p: Point) -> (f64, MotionRow) {
         let (d, g) = self.surface.distance(p);

@@ -3,6 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::exact_sizes::{self, PlaneDistanceFigures, SizeFigures};
 use super::relations::{self, RelationFigures};
 use crate::convert::ExactFit;
 use crate::geometry::{Point, Vector, plane_axes};
@@ -31,6 +32,10 @@ pub struct ExactFigures {
     pub relations: Vec<RelationFigures>,
     /// What was moved within the rounding of the file.
     pub snaps: Vec<SnapFigures>,
+    /// Sizes of a scan that are round within two standard deviations.
+    pub round_sizes: Vec<SizeFigures>,
+    /// The distances of parallel planes, each to the next one of its direction.
+    pub distances: Vec<PlaneDistanceFigures>,
     /// Faces that were found, but became facets.
     pub facets: Vec<FacetFigures>,
     /// The number of free-form faces, which are B-splines where no surface was found.
@@ -70,6 +75,8 @@ pub struct CylinderFigures {
     pub kind: &'static str,
     /// Its radius.
     pub radius_mm: f64,
+    /// The standard deviation of the radius, if it is that of a scan.
+    pub radius_deviation_mm: Option<f64>,
     /// The middle of its axis.
     pub at: [f64; 3],
     /// The direction of its axis.
@@ -150,13 +157,17 @@ impl ExactFigures {
     /// The figures of exact faces.
     pub fn of(fit: &ExactFit) -> Self {
         let cylinders = cylinders(fit);
+        // The conditions between surfaces of a scan are met as exactly as CAD programs tell.
+        let same = if fit.noise.is_some() { SAME } else { fit.rounding };
         ExactFigures {
             explained_pct: 100.0 * fit.explained,
             rounding_mm: fit.rounding,
             rounding_factor: fit.rounding_factor,
-            relations: relations::relations(&cylinders, fit.rounding, fit.mesh.diagonal()),
+            relations: relations::relations(&cylinders, same, fit.mesh.diagonal()),
             cylinders,
             snaps: fit.snaps.iter().map(|snap| SnapFigures::of(snap, fit.mm)).collect(),
+            round_sizes: fit.round_sizes.iter().map(SizeFigures::of).collect(),
+            distances: exact_sizes::distances(fit),
             facets: fit.fallbacks.iter().map(FacetFigures::of).collect(),
             free_forms: fit.free_forms,
             risers: fit.risers.iter().map(RiserFigures::of).collect(),
@@ -289,6 +300,7 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
     let extents = extents(fit);
     for (number, face) in fit.faces.iter().enumerate() {
         let Primitive::Cylinder { radius, axis, .. } = face.surface else { continue };
+        let deviation = face.uncertainty.and_then(|of| of.radius);
         let kind = if face.side < 0.0 { "bore" } else { "shaft" };
         let [low, high] = extents[number];
         let is_same = |(other, row): &(Primitive, CylinderFigures)| {
@@ -303,12 +315,16 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
                 .map(|of| ends.iter().map(along).reduce(of).unwrap_or_default());
             row.at = (middle + 0.5 * (least + most) * Vector::from(row.axis)).into();
             row.length_mm = most - least;
+            // All are one cylinder, which the best known face tells.
+            row.radius_deviation_mm =
+                [row.radius_deviation_mm, deviation].into_iter().flatten().reduce(f64::min);
             row.faces.push(number);
             continue;
         }
         let row = CylinderFigures {
             kind,
             radius_mm: radius,
+            radius_deviation_mm: deviation,
             at: (low + 0.5 * (high - low)).into(),
             axis: axis.into(),
             length_mm: (high - low).norm(),

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::exact_view::{ExactView, KINDS, OTHER};
 use super::relations::along;
-use super::{ExactFigures, RelationFigures, SnapFigures, SurfaceFigures};
+use super::{ExactFigures, RelationFigures, SizeFigures, SnapFigures, SurfaceFigures};
 use crate::report::picture::colour::TINTS;
 
 /// The most rows of a table of snaps. A page with more is too long to be read, and the JSON has all of them.
@@ -17,7 +17,8 @@ pub(super) fn rows(view: &ExactView) -> Value {
     let kind = |((name, count), tint): ((&&str, usize), u32)| json!({ "name": name, "count": count, "colour": format!("#{tint:06x}") });
     let cylinders = figures.cylinders.iter().enumerate().map(|(number, row)| {
         json!({
-            "number": number, "kind": row.name(), "radius_mm": row.radius_mm, "length_mm": row.length_mm,
+            "number": number, "kind": row.name(), "radius_mm": row.radius_mm,
+            "deviation_mm": row.radius_deviation_mm, "length_mm": row.length_mm,
             "sweep_deg": row.sweep_deg, "axis": along(row.axis), "at": row.at,
         })
     });
@@ -27,6 +28,8 @@ pub(super) fn rows(view: &ExactView) -> Value {
         "rounding_mm": figures.rounding_mm,
         "cylinders": cylinders.collect::<Vec<_>>(),
         "relations": figures.relations.iter().map(|of| relation(of, figures)).collect::<Vec<_>>(),
+        "sizes": figures.round_sizes.iter().map(size).collect::<Vec<_>>(),
+        "distances": figures.distances.iter().take(MOST_DISTANCES).collect::<Vec<_>>(),
         "snapped": figures.snap_phrases(),
         "snaps": figures.snaps.iter().take(MOST_SNAPS).map(snap).collect::<Vec<_>>(),
         "snaps_left": figures.snaps.len().saturating_sub(MOST_SNAPS),
@@ -41,12 +44,27 @@ pub(super) fn rows(view: &ExactView) -> Value {
     })
 }
 
+/// The most rows of a table of distances.
+const MOST_DISTANCES: usize = 100;
+
+/// A size with the words for whether it was made round.
+fn size(of: &SizeFigures) -> Value {
+    json!({
+        "size": of.size, "faces": listed(&of.faces), "unit": of.unit, "value": of.value,
+        "deviation": of.standard_deviation, "round": of.round, "taken": of.taken,
+    })
+}
+
+/// Numbers with commas.
+fn listed(of: &[usize]) -> String {
+    of.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+}
+
 /// A relation with the numbers of its cylinders.
 fn relation(of: &RelationFigures, figures: &ExactFigures) -> Value {
-    let numbers = |of: &[usize]| of.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     let first = of.cylinders.first().and_then(|&first| figures.cylinders.get(first));
     let radius = first.filter(|_| of.kind == "equal radius").map(|row| row.radius_mm);
-    json!({ "kind": of.kind, "cylinders": numbers(&of.cylinders), "to": numbers(&of.to), "radius_mm": radius })
+    json!({ "kind": of.kind, "cylinders": listed(&of.cylinders), "to": listed(&of.to), "radius_mm": radius })
 }
 
 /// A snap with what it changed.

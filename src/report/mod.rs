@@ -53,6 +53,7 @@ mod bars;
 mod command;
 #[cfg(feature = "html")]
 mod exact_rows;
+mod exact_sizes;
 #[cfg(feature = "html")]
 mod face_mesh;
 #[cfg(feature = "html")]
@@ -79,6 +80,7 @@ pub use exact::{
     CylinderFigures, ExactFigures, FacetFigures, GapFigures, RiserFigures, SnapFigures,
     SurfaceFigures,
 };
+pub use exact_sizes::{PlaneDistanceFigures, SizeFigures, UncertaintyFigures};
 pub use figures::{
     BodyFigures, DeviationFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
     MapFigures, SmoothFigures, SurfaceFitFigures, ThinFigures, TrimFigures, TrimOf,
@@ -96,6 +98,8 @@ pub use still::picture_png;
 pub use view::{ReportView, ViewRecorder};
 #[cfg(feature = "picture")]
 pub use whole::{AssemblyView, assembly_png};
+
+use formats::scene::Placement;
 
 use crate::convert::Conversion;
 
@@ -138,6 +142,9 @@ pub struct Report {
     /// `components` if there are several.
     #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "serialize_parts"))]
     pub bodies: Vec<BodyFigures>,
+    /// The rows of the matrix that has put the parts to the axes of the world: it takes places of the scan's own frame, in mm, to those of the
+    /// parts. `None` if they are where the scan is.
+    pub placement: Option<[[f64; 4]; 3]>,
     /// Whether the caller named the tolerance.
     pub tolerance_named: bool,
     /// The percentage of points that may exceed the tolerance.
@@ -201,6 +208,7 @@ impl Report {
         Report {
             scan2step: VERSION,
             bodies: conversion.bodies().map(figures).collect(),
+            placement: conversion.placement().map(|of| placement_rows(&of)),
             tolerance_named: settings.tolerance.is_some(),
             outliers_pct: settings.outliers,
             hints: hints::of(conversion, source, &settings),
@@ -218,6 +226,12 @@ impl Report {
     fn name(&self) -> String {
         self.bodies.first().map_or(String::new(), |body| file_name(&body.input.file))
     }
+}
+
+/// The rows of the matrix of a placement, with the translation as last column.
+pub fn placement_rows(of: &Placement) -> [[f64; 4]; 3] {
+    let [x, y, z] = of.axes;
+    [0, 1, 2].map(|k| [x[k], y[k], z[k], of.translation[k]])
 }
 
 /// The name of a file without its folder.

@@ -183,9 +183,10 @@ pub(super) fn lists(relations: &[RelationFigures], rows: &[CylinderFigures]) -> 
         };
         let places: Vec<String> = group.iter().take(NAMED_PLACES).map(place).collect();
         format!(
-            "{} of radius {} along {}, at {}{more}",
+            "{} of radius {}{} along {}, at {}{more}",
             plural(group.len(), first.name()),
             mm(first.radius_mm),
+            first.radius_deviation_mm.map_or(String::new(), |by| format!(" ± {}", mm(by))),
             along(first.axis),
             places.join(", ")
         )
@@ -219,7 +220,17 @@ mod tests {
 
     fn row(kind: &'static str, radius_mm: f64, at: [f64; 3], axis: [f64; 3]) -> CylinderFigures {
         let (length_mm, sweep_deg) = (10.0, 360.0);
-        CylinderFigures { kind, radius_mm, at, axis, length_mm, sweep_deg, faces: Vec::new() }
+        let (radius_deviation_mm, faces) = (None, Vec::new());
+        CylinderFigures {
+            kind,
+            radius_mm,
+            radius_deviation_mm,
+            at,
+            axis,
+            length_mm,
+            sweep_deg,
+            faces,
+        }
     }
 
     fn kinds_of(rows: &[CylinderFigures]) -> Vec<(&'static str, Vec<usize>, Vec<usize>)> {

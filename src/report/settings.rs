@@ -71,6 +71,10 @@ pub struct Settings {
     pub surfaces: &'static str,
     /// Whether prisms of few sides stay flat.
     pub keep_polygons: bool,
+    /// Whether sizes of a scan become round.
+    pub regularize: bool,
+    /// Whether a part is turned to the axes of the world.
+    pub align: bool,
     /// Where exact faces end: "auto", "off" or an angle in degrees.
     pub edges: Setting<f64>,
     /// About how many faces a solid gets.
@@ -168,6 +172,8 @@ impl Settings {
                 SurfaceChoice::Spline => "spline",
             },
             keep_polygons: options.keep_polygons,
+            regularize: options.regularize,
+            align: options.align,
             edges: match options.edges {
                 EdgeChoice::Auto => Setting::Word("auto"),
                 EdgeChoice::Off => Setting::Word("off"),

@@ -3,7 +3,7 @@
 use formats::Brep;
 use formats::brep::{BrepSurface, ShellId};
 
-use super::SurfaceFigures;
+use super::{SurfaceFigures, UncertaintyFigures};
 use crate::convert::{Body, ExactFace, ExactFit, NetworkFit, Seams};
 
 /// The shape that a scan became.
@@ -133,6 +133,9 @@ pub struct PatchFigures {
     /// The parameters of an exact surface.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub parameters: Option<SurfaceFigures>,
+    /// How exactly a scan tells them.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub standard_deviations: Option<UncertaintyFigures>,
 }
 
 impl ShapeFigures {
@@ -184,6 +187,9 @@ impl PatchFigures {
             max_mm: face.max,
             points: face.points,
             parameters: (!face.is_free).then(|| SurfaceFigures::of(&face.surface)),
+            standard_deviations: face
+                .uncertainty
+                .map(|of| UncertaintyFigures::of(&face.surface, &of)),
         };
         fit.faces.iter().map(face).collect()
     }
@@ -201,6 +207,7 @@ impl PatchFigures {
                 max_mm,
                 points,
                 parameters: None,
+                standard_deviations: None,
             }
         };
         fit.cut.faces.iter().enumerate().map(face).collect()

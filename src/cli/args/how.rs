@@ -23,6 +23,12 @@ pub struct How {
     /// Leave prisms of few sides flat where a cylinder has all their corners
     #[arg(long, help_heading = SHAPE)]
     pub keep_polygons: bool,
+    /// Make radii, angles and distances of planes in the scan of a part round where that is within two standard deviations
+    #[arg(long, help_heading = SHAPE)]
+    pub regularize: bool,
+    /// Turn a part so that its main plane lies in z = 0 and its main axis is one of the world; the report has the matrix
+    #[arg(long, help_heading = SHAPE)]
+    pub align: bool,
     /// Where exact faces end: auto, where another surface begins; an angle in degrees, also at every edge of the
     /// mesh that turns by more; off, nowhere, so that the faces are B-splines
     #[arg(long, value_name = "DEG|auto|off", default_value = "auto", value_parser = edges, help_heading = SHAPE)]

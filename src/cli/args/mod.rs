@@ -106,6 +106,9 @@ pub(crate) struct Check {
     /// Percentage of points, and of samples, that may exceed the tolerance
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub outliers: f64,
+    /// The JSON report of `convert --align`, whose matrix puts the scan to the part
+    #[arg(long, value_name = "REPORT", value_hint = ValueHint::FilePath, help_heading = SCAN)]
+    pub placement: Option<PathBuf>,
     /// Components of the scan that the faces are measured against: largest, all, or a number
     /// (0 is the largest), as for `convert`
     #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component, help_heading = SCAN)]

@@ -220,6 +220,19 @@ impl Builder {
         self
     }
 
+    /// Whether sizes of a scan's exact faces become round numbers that are within two standard deviations.
+    pub fn regularize(mut self, regularizes: bool) -> Self {
+        self.0.regularize = regularizes;
+        self
+    }
+
+    /// Whether a part with exact faces is turned to the axes of the world: its main plane lies in z = 0, and its main axis is one of
+    /// them. [`Conversion::placement`](super::Conversion::placement) says how.
+    pub fn align(mut self, aligns: bool) -> Self {
+        self.0.align = aligns;
+        self
+    }
+
     /// Where exact faces end. [`EdgeChoice::Off`] asks for B-spline faces.
     pub fn edges(mut self, edges: EdgeChoice) -> Self {
         self.0.edges = edges;

@@ -1,5 +1,5 @@
-//! Conditions between surfaces: parallel and perpendicular directions, common axes, and pairs that touch. All are met at once with the least motion, in which every surface counts by
-//! its covariance.
+//! Conditions on surfaces: parallel and perpendicular directions, common axes and planes, equal radii, given sizes, and pairs that touch. All are
+//! met at once with the least motion, in which every surface counts by its covariance.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,27 +8,17 @@ use nalgebra::{DMatrix, DVector};
 use super::Work;
 use super::surfaces::FittedSurface;
 use crate::geometry::sets::Sets;
-use crate::geometry::{NONE, Point, Vector, plane_axes};
-use crate::primitives::contact::contact;
-use crate::primitives::tangency::{ball_is_second, misses};
+use crate::geometry::{Point, Vector};
+use crate::primitives::tangency::misses;
 use crate::primitives::{MOST_PARAMETERS, MotionRow, Primitive};
-use crate::statistics::{MeanSquare, median};
-
-/// Surfaces may touch if their normals differ by less than this angle (rad) along their border: 20°.
-const MOST_TURN: f64 = 0.35;
+use crate::statistics::MeanSquare;
 
 /// A condition is kept if chance explains what it costs at so many standard deviations of a normal error.
 const KEPT: f64 = 4.0;
 
-/// It is also kept if it moves the surfaces by less than this share of the noise: real scanners have as large errors that are no noise.
+/// Conditions on places are also kept if they move the surfaces by less than this share of the noise: real scanners have as large errors that are
+/// no noise. Radii that a designer made different may differ by less.
 const RELEVANT: f64 = 0.5;
-
-/// Directions may be parallel or perpendicular if they are so to this sine, and axes may be one line if they are so many edges apart.
-const MOST_LEAN: f64 = 0.05;
-const MOST_APART: f64 = 3.0;
-
-/// Angles count as what they move so many edges away.
-const LEVER: f64 = 30.0;
 
 /// So many conditions of a group may contradict the others.
 const MOST_DROPPED: usize = 30;
@@ -52,16 +42,16 @@ const DIFFERENCE: f64 = 1e-2;
 /// The most conditions that are met together. Solving more takes seconds.
 const MOST: usize = 1500;
 
-/// A condition between two surfaces. Of two that touch, the second one is the ball that rolls along the first one.
+/// A condition on two surfaces, or on one, which is then both of them. Of two that touch, the second one is the ball that rolls along the first one.
 #[derive(Debug, Clone)]
-struct Condition {
-    first: usize,
-    second: usize,
-    kind: ConditionKind,
+pub(super) struct Condition {
+    pub first: usize,
+    pub second: usize,
+    pub kind: ConditionKind,
 }
 
 #[derive(Debug, Clone)]
-enum ConditionKind {
+pub(super) enum ConditionKind {
     /// They touch next to some points.
     Touching(Vec<Point>),
     /// Their directions are parallel, given two directions across and the length that makes angles lengths.
@@ -70,6 +60,40 @@ enum ConditionKind {
     Perpendicular(f64),
     /// Their axes, which are parallel, are one line.
     Coaxial([Vector; 2]),
+    /// Two planes, which are parallel, are one, or so far apart along the normal of the first one.
+    Apart(f64),
+    /// The radii of cylinders, spheres, and tubes of tori are equal.
+    EqualRadii,
+    /// A size of a surface has a value.
+    Sized(Size, f64),
+}
+
+/// A size of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// The radius of a cylinder, a sphere, or the tube of a torus.
+    Radius,
+    /// The radius of the circle of a torus.
+    MajorRadius,
+    /// The angle between the axis of a cone and its generators, in radians.
+    HalfAngle,
+}
+
+impl Size {
+    /// The value that a surface has.
+    pub(super) fn of(self, surface: &Primitive) -> Option<f64> {
+        match (self, *surface) {
+            (Size::Radius, _) => surface.radius(),
+            (Size::MajorRadius, Primitive::Torus { major, .. }) => Some(major),
+            (Size::HalfAngle, Primitive::Cone { angle, .. }) => Some(angle),
+            _ => None,
+        }
+    }
+}
+
+/// How far a plane is from another one, which is parallel to it, along the normal of the first one.
+pub(super) fn apart(first: &Primitive, second: &Primitive) -> f64 {
+    direction(first).dot(&(second.origin() - first.origin()))
 }
 
 impl Condition {
@@ -94,12 +118,20 @@ impl Condition {
                 let apart = apart - apart.dot(&along) * along;
                 across.iter().map(|x| x.dot(&apart)).collect()
             }
+            ConditionKind::Apart(far) => vec![apart(&first, &second) - far],
+            ConditionKind::EqualRadii => {
+                let radii = first.radius().zip(second.radius());
+                radii.map(|(a, b)| b - a).into_iter().collect()
+            }
+            ConditionKind::Sized(size, value) => {
+                size.of(&first).map(|own| own - value).into_iter().collect()
+            }
         }
     }
 }
 
 /// The normal of a plane, or the direction of an axis. A sphere has none.
-fn direction(surface: &Primitive) -> Vector {
+pub(super) fn direction(surface: &Primitive) -> Vector {
     match *surface {
         Primitive::Plane { normal, .. } => normal,
         _ => surface.axis().unwrap_or_default(),
@@ -107,13 +139,14 @@ fn direction(surface: &Primitive) -> Vector {
 }
 
 impl Work<'_> {
-    /// Meets the conditions that the data allow. Returns the pairs that touch.
-    pub(super) fn constrain(&mut self, fits: &[FittedSurface]) -> BTreeSet<[u32; 2]> {
-        let mut kept = self.relations(fits);
-        let touching = self.candidates();
-        kept.extend(touching.into_iter().filter(|one| self.allows(one, fits)));
+    /// Meets conditions as far as they do not contradict each other, from the fits on. Returns the pairs that touch.
+    pub(super) fn meet(
+        &mut self,
+        conditions: &[Condition],
+        fits: &[FittedSurface],
+    ) -> BTreeSet<[u32; 2]> {
         let mut done = BTreeSet::new();
-        let mut left = groups(kept, fits.len());
+        let mut left = groups(conditions.to_vec(), fits.len());
         while let Some(group) = left.pop() {
             let Some((group, motions)) = self.largest_part(group.clone(), fits) else {
                 // Tangent neighbours are worth more than directions: without them there are no edges.
@@ -158,124 +191,21 @@ impl Work<'_> {
         None
     }
 
-    /// Parallel and perpendicular directions, and axes on one line. Each surface is compared with those before it, the best known
-    /// ones first.
-    fn relations(&self, fits: &[FittedSurface]) -> Vec<Condition> {
-        let error = |r: usize| {
-            let of = &fits[r].covariance;
-            of[(0, 0)].max(of[(1, 1)])
-        };
-        let is_known = |&r: &usize| {
-            fits[r].weight > 1.0 && direction(self.surface(r as u32)).norm() > 0.0 && error(r) > 0.0
-        };
-        let mut order: Vec<usize> = (0..fits.len()).filter(is_known).collect();
-        order.sort_by(|&i, &j| error(i).total_cmp(&error(j)).then(i.cmp(&j)));
-        let length = LEVER * self.edge;
-        let mut leaders: Vec<usize> = Vec::new();
-        let mut lines: Vec<(usize, usize)> = Vec::new();
-        let mut found = Vec::new();
-        for r in order {
-            let own = direction(self.surface(r as u32));
-            let between = |other: usize, kind| Condition { first: other, second: r, kind };
-            let parallel = leaders.iter().copied().find_map(|other| {
-                let d = direction(self.surface(other as u32));
-                let across = plane_axes(d);
-                let one = between(other, ConditionKind::Parallel([across.0, across.1], length));
-                let is_near = d.cross(&own).norm() < MOST_LEAN;
-                (is_near && self.allows(&one, fits)).then_some((other, one))
-            });
-            let Some((leader, one)) = parallel else {
-                let perpendicular = leaders.iter().copied().filter_map(|other| {
-                    let d = direction(self.surface(other as u32));
-                    let one = between(other, ConditionKind::Perpendicular(length));
-                    (d.dot(&own).abs() < MOST_LEAN && self.allows(&one, fits)).then_some(one)
-                });
-                found.extend(perpendicular.take(2));
-                leaders.push(r);
-                if self.surface(r as u32).axis().is_some() {
-                    lines.push((r, r));
-                }
-                continue;
-            };
-            found.push(one);
-            if self.surface(r as u32).axis().is_none() {
-                continue;
-            }
-            let across = plane_axes(direction(self.surface(leader as u32)));
-            let line = lines.iter().filter(|line| line.0 == leader).find_map(|&(_, other)| {
-                let one = between(other, ConditionKind::Coaxial([across.0, across.1]));
-                let apart = self.surface(r as u32).origin() - self.surface(other as u32).origin();
-                let off = apart.cross(&own).norm();
-                (off < MOST_APART * self.edge && self.allows(&one, fits)).then_some(one)
-            });
-            if line.is_none() {
-                lines.push((leader, r));
-            }
-            found.extend(line);
-        }
-        // The centre of a sphere has two conditions to be on an axis.
-        for r in (0..fits.len()).filter(|&r| fits[r].weight > 1.0) {
-            let Primitive::Sphere { centre, .. } = *self.surface(r as u32) else { continue };
-            found.extend(lines.iter().find_map(|&(_, other)| {
-                let axis = self.surface(other as u32);
-                let d = direction(axis);
-                let (x, y) = plane_axes(d);
-                let kind = ConditionKind::Coaxial([x, y]);
-                let one = Condition { first: other, second: r, kind };
-                let off = (centre - axis.origin()).cross(&d).norm();
-                (off < MOST_APART * self.edge && self.allows(&one, fits)).then_some(one)
-            }));
-        }
-        found
-    }
-
-    /// The pairs whose normals agree along their border.
-    fn candidates(&self) -> Vec<Condition> {
-        let mut along: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
-        for border in self.borders() {
-            if border.pair[1] != NONE {
-                along.entry(border.pair).or_default().extend(border.vertices);
-            }
-        }
-        let mut found = Vec::new();
-        for (pair, vertices) in along {
-            let [a, b] = pair.map(|r| self.surfaces[r as usize]);
-            let Some(is_second) = ball_is_second(&a.surface, &b.surface) else { continue };
-            let [x, y] = pair.map(|r| r as usize);
-            let (first, second) = if is_second { (x, y) } else { (y, x) };
-            let turn = |&v: &u32| {
-                let p = self.mesh.points[v as usize];
-                let (n, m) = (a.side * a.surface.normal(p), b.side * b.surface.normal(p));
-                n.cross(&m).norm().atan2(n.dot(&m))
-            };
-            let mut turns: Vec<f64> = vertices.iter().map(turn).collect();
-            if vertices.len() < 3 || median(&mut turns).is_none_or(|turn| turn > MOST_TURN) {
-                continue;
-            }
-            let picked = [0, vertices.len() / 3, 2 * vertices.len() / 3, vertices.len() - 1];
-            let point = |k: usize| {
-                let p = self.mesh.points[vertices[k] as usize];
-                contact(&a.surface, &b.surface, p)
-            };
-            let points = picked.map(point).to_vec();
-            found.push(Condition { first, second, kind: ConditionKind::Touching(points) });
-        }
-        found
-    }
-
     fn price(&self, of: &Condition, fits: &[FittedSurface]) -> f64 {
         let found = self.step(std::slice::from_ref(of), fits, &BTreeMap::new());
         found.map_or(f64::INFINITY, |found| found.1)
     }
 
     /// Whether the data allow a condition.
-    fn allows(&self, condition: &Condition, fits: &[FittedSurface]) -> bool {
+    pub(super) fn allows(&self, condition: &Condition, fits: &[FittedSurface]) -> bool {
         let one = std::slice::from_ref(condition);
         let Some((motions, cost, rank)) = self.step(one, fits, &BTreeMap::new()) else {
             return false;
         };
         let limit = rank as f64 * MeanSquare(rank as f64).at(KEPT);
-        cost <= limit || motions.iter().all(|(&r, m)| self.is_small(&fits[r], m))
+        let may_be_slight = !matches!(condition.kind, ConditionKind::EqualRadii);
+        let is_slight = || motions.iter().all(|(&r, m)| self.is_small(&fits[r], m));
+        cost <= limit || may_be_slight && is_slight()
     }
 
     /// Whether a motion moves a surface by a small share of the noise at its vertices.
@@ -337,7 +267,9 @@ impl Work<'_> {
             let zero = MotionRow::zeros();
             rows.extend(own.iter().map(|_| [(one.first, zero), (one.second, zero)]));
             values.extend(&own);
-            for (side, r) in [one.first, one.second].into_iter().enumerate() {
+            // A condition on one surface has one row.
+            let sides = if one.first == one.second { 1 } else { 2 };
+            for (side, r) in [one.first, one.second].into_iter().take(sides).enumerate() {
                 for k in 0..MOST_PARAMETERS {
                     let h = DIFFERENCE * fits[r].covariance[(k, k)].max(0.0).sqrt();
                     if h <= 0.0 {
@@ -426,7 +358,7 @@ fn squared(fit: &FittedSurface, motion: &MotionRow) -> f64 {
 }
 
 impl Condition {
-    fn is_touching(&self) -> bool {
+    pub(super) fn is_touching(&self) -> bool {
         matches!(self.kind, ConditionKind::Touching(_))
     }
 

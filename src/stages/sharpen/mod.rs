@@ -7,15 +7,18 @@
 //!
 //! - `small` finds the surfaces of pieces that are too small to be found without what is beside them.
 //! - `labels` smooths the borders by likelihood, and gives small pieces to their neighbours.
-//! - `constraints` moves the surfaces, weighted by their covariances, so that those that touch do so exactly, and more than three
-//!   have a common point. A constraint is kept if the data allow it.
+//! - `relations` finds the conditions of a designer that the data allow: surfaces that touch, parallel directions, equal radii, and others.
+//! - `sizes` finds round numbers within the uncertainty of sizes.
+//! - `constraints` moves the surfaces, weighted by their covariances, so that all conditions are met exactly.
 //! - `places` moves the vertices. Where surfaces have no common point nearby, the triangles there lose their region.
 
 mod borders;
 mod constraints;
 mod labels;
 mod places;
+mod relations;
 mod risers;
+mod sizes;
 mod small;
 mod surfaces;
 
@@ -23,7 +26,9 @@ use places::Placed;
 
 use crate::geometry::{NONE, Point};
 use crate::mesh::{EdgeMap, Mesh, VertexRings};
-use crate::primitives::Primitive;
+use crate::primitives::{Primitive, Uncertainty};
+pub use constraints::Size;
+pub use sizes::{RoundSize, SizeKind};
 
 /// The surface of a region.
 #[derive(Debug, Clone, Copy)]
@@ -41,6 +46,10 @@ pub struct Options {
     pub noise: f64,
     /// The variance of a mean of many neighbouring vertices, as a multiple of what it would be if their errors were independent.
     pub correlation: f64,
+    /// The length of the mesh's unit in that of the file, in which numbers are round.
+    pub unit: f64,
+    /// Whether sizes are made round where the scan allows it.
+    pub regularize: bool,
 }
 
 /// Triangles that join surfaces which do not meet.
@@ -65,6 +74,10 @@ pub struct Sharpened {
     pub facet_of: Vec<u32>,
     /// The surfaces. Constraints are met.
     pub surfaces: Vec<ScanSurface>,
+    /// For each surface how exactly its vertices tell it.
+    pub uncertainties: Vec<Option<Uncertainty>>,
+    /// Sizes that are round within their uncertainty.
+    pub round_sizes: Vec<RoundSize>,
     /// The number of pairs of surfaces that touch.
     pub touching: usize,
     /// Where surfaces do not meet.
@@ -99,15 +112,33 @@ pub fn sharpen(
         (mesh.point(a) - mesh.point(b)).norm()
     };
     let edge = (0..count).map(long).sum::<f64>() / count.max(1) as f64;
-    let Options { noise, correlation } = *options;
+    let Options { noise, correlation, unit, regularize } = *options;
     let (surfaces, of) = (surfaces.to_vec(), of_triangle.to_vec());
     let mut work = Work { mesh, edges, rings, edge, noise, correlation, surfaces, of };
     work.tidy();
     let fits = work.fitted();
-    let touching = work.constrain(&fits);
+    let mut conditions = work.conditions(&fits);
+    let mut touching = work.meet(&conditions, &fits);
+    let mut round_sizes = work.round_sizes(&fits, unit);
+    if regularize {
+        conditions.extend(round_sizes.iter().map(RoundSize::condition));
+        touching = work.meet(&conditions, &fits);
+        work.mark_taken(&mut round_sizes);
+    }
     let Placed { mesh, of, facet, risers } = work.place(&touching);
     let (of_triangle, facet_of, touching) = (of, facet, touching.len());
-    Sharpened { mesh, of_triangle, facet_of, surfaces: work.surfaces, touching, risers }
+    let uncertainties = fits.iter().map(|fit| fit.uncertainty).collect();
+    let surfaces = work.surfaces;
+    Sharpened {
+        mesh,
+        of_triangle,
+        facet_of,
+        surfaces,
+        uncertainties,
+        round_sizes,
+        touching,
+        risers,
+    }
 }
 
 impl Work<'_> {

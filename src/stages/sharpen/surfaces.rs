@@ -2,7 +2,9 @@
 
 use super::Work;
 use crate::geometry::{NONE, VertexId};
-use crate::primitives::{Covariance, FitOptions, FitSample, Motions, PrimitiveFit, fit};
+use crate::primitives::{
+    Covariance, FitOptions, FitSample, Motions, PrimitiveFit, Uncertainty, fit,
+};
 
 /// A fit needs so many vertices for each parameter. Of regions with fewer inner ones all vertices count.
 const FEWEST_EACH: usize = 3;
@@ -14,6 +16,8 @@ const STEPS: usize = 10;
 pub(super) struct FittedSurface {
     pub motions: Motions,
     pub covariance: Covariance,
+    /// The standard deviations of its parameters, if the scan tells them.
+    pub uncertainty: Option<Uncertainty>,
     /// How many independent vertices it rests on.
     pub weight: f64,
 }
@@ -48,11 +52,14 @@ impl Work<'_> {
             fits.push(match found {
                 Some(PrimitiveFit { surface, motions, covariance, .. }) => {
                     self.surfaces[r].surface = surface;
-                    FittedSurface { motions, covariance, weight: weight.max(1.0) }
+                    // A surface that was not fitted has the deviations of too few vertices.
+                    let uncertainty = Uncertainty::of(&motions, &covariance).filter(|_| is_known);
+                    FittedSurface { motions, covariance, uncertainty, weight: weight.max(1.0) }
                 }
                 None => FittedSurface {
                     motions: Motions::new(start, start.origin(), false),
                     covariance: Covariance::zeros(),
+                    uncertainty: None,
                     weight: 1.0,
                 },
             });

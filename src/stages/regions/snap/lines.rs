@@ -1,9 +1,10 @@
 //! Axes: of one line, or at round places.
 
-use super::round_values::{is_world, round, rounded_place};
+use super::round_values::{is_world, rounded_place};
 use super::{Snap, SnapKind, Snapping};
 use crate::geometry::{Point, Vector};
 use crate::primitives::Primitive;
+use crate::primitives::round_numbers::round;
 
 /// Axes this many errors apart are tried as one line.
 const GATE: f64 = 40.0;

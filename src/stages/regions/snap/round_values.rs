@@ -6,26 +6,10 @@ use super::lines::at;
 use super::{Snap, SnapKind, Snapping};
 use crate::geometry::{Point, Vector};
 use crate::primitives::Primitive;
-
-/// The steps of round numbers, in the unit of the file.
-const STEPS: [f64; 13] =
-    [10.0, 5.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.01, 0.005, 0.001, 0.0005, 0.0001, 0.000_01];
-
-/// A round number says something only if chance meets one of its step this rarely. A wrong one does no harm, because it
-/// is within the rounding.
-const CHANCE: f64 = 0.05;
+use crate::primitives::round_numbers::round;
 
 /// The gate of a value, in errors. All vertices are tested, so a wide gate costs no truth.
 const GATE: f64 = 16.0;
-
-/// The simplest number within a gate that chance does not explain. `unit` is the length of the unit of the value in that of
-/// the file.
-pub(super) fn round(value: f64, gate: f64, unit: f64) -> Option<f64> {
-    let (x, gate) = (value * unit, gate * unit);
-    let steps = STEPS.iter().take_while(|&&step| 2.0 * gate <= CHANCE * step);
-    let nearest = steps.map(|step| (x / step).round() * step);
-    { nearest }.find(|y| (y - x).abs() <= gate).map(|y| y / unit)
-}
 
 /// A place with those coordinates round that may be.
 pub(super) fn rounded_place(p: Point, gate: f64, unit: f64, may: impl Fn(usize) -> bool) -> Point {
