@@ -4,8 +4,11 @@ use formats::Soup;
 use formats::brep::ShellId;
 use formats::step;
 use scan2step::nalgebra::{Rotation3, Vector3};
-use scan2step::primitives::{Primitive, PrimitiveKind};
-use scan2step::{Body, Conversion, Options, SurfaceChoice, convert};
+use scan2step::primitives::{Primitive, PrimitiveKind, Uncertainty};
+use scan2step::stages::sharpen::{Size, SizeKind};
+use scan2step::{
+    Body, Conversion, Error, ExactFace, FaceSize, Options, SurfaceChoice, convert,
+};
 
 type Field = dyn Fn(Vector3<f64>) -> f64;
 
@@ -97,10 +100,15 @@ fn converted(soup: &Soup, surfaces: SurfaceChoice) -> Conversion {
 
 /// What the turned scan of a part becomes, without a fallback. The edges of the scan are 0.7 mm long.
 fn posed(field: &Field, size: f64, noise: f64) -> Body {
+    posed_with(field, size, noise, &Options::default())
+}
+
+/// The same with options.
+fn posed_with(field: &Field, size: f64, noise: f64, options: &Options) -> Body {
     let mut soup = scan(field, size, 0.7, noise);
     let pose = Rotation3::from_euler_angles(0.4, 0.3, 0.0);
     soup.points.iter_mut().for_each(|p| *p = (pose * Vector3::from(*p)).into());
-    let made = converted(&soup, SurfaceChoice::Auto);
+    let made = convert(&soup, options, &mut |_| Ok(())).expect("a conversion");
     assert_eq!(made.fallback, None);
     made.into_body().expect("one body")
 }
@@ -130,6 +138,82 @@ fn a_scanned_block_with_a_bore_becomes_exact() {
     let wanted = 8.0 * half.product() - std::f64::consts::PI * 25.0 * 12.0;
     assert!((volume / wanted - 1.0).abs() < 1e-3, "{volume} of {wanted}");
     assert!(body.deviation.rms < 1.2 * noise, "{}", body.deviation.rms);
+}
+
+/// A block of 28 × 20 × 12 mm with two bores of 6 mm through it, turned about z.
+fn block_with_bores(p: Vector3<f64>) -> f64 {
+    let q = Rotation3::from_euler_angles(0.0, 0.0, 0.9) * p;
+    let block = (q.abs() - Vector3::new(14.0, 10.0, 6.0)).max();
+    let bore = |x: f64| 3.0 - (q.x - x).hypot(q.y);
+    block.max(bore(-7.0)).max(bore(6.0))
+}
+
+/// The cylinders of a body with their standard deviations.
+fn cylinders(body: &Body) -> Vec<(f64, Vector3<f64>, Uncertainty)> {
+    let faces = &body.exact().expect("exact faces").faces;
+    let cylinder = |face: &ExactFace| match face.surface {
+        Primitive::Cylinder { radius, axis, .. } => Some((radius, axis, face.uncertainty?)),
+        _ => None,
+    };
+    faces.iter().filter_map(cylinder).collect()
+}
+
+#[test]
+fn sizes_have_standard_deviations_and_become_round_if_asked() {
+    let noise = 0.05;
+    let [plain, round] = [false, true].map(|regularize| {
+        let options = Options::builder().regularize(regularize).build().expect("options");
+        posed_with(&block_with_bores, 19.0, noise, &options)
+    });
+    let measured = cylinders(&plain);
+    assert_eq!(measured.len(), 2);
+    for (radius, _, of) in &measured {
+        let deviation = of.radius.expect("a standard deviation");
+        assert!(deviation > 0.0 && deviation < 0.2 * noise, "{deviation}");
+        assert!((radius - 3.0).abs() < 4.0 * deviation, "{radius} ± {deviation}");
+    }
+    // Both bores have one radius, which nobody has made round.
+    assert!((measured[0].0 - measured[1].0).abs() < 1e-9 && measured[0].0 != 3.0);
+    let sizes = &plain.exact().expect("exact faces").round_sizes;
+    assert!(!sizes.is_empty() && sizes.iter().all(|of| !of.is_taken));
+    let taken: Vec<&FaceSize> =
+        round.exact().expect("exact faces").round_sizes.iter().filter(|of| of.is_taken).collect();
+    for of in &taken {
+        assert!((of.value - of.round).abs() <= 2.0 * of.deviation, "{of:?}");
+    }
+    let is_bore = |of: &&&FaceSize| matches!(of.kind, SizeKind::Own(Size::Radius));
+    assert!(taken.iter().any(|of| is_bore(&of)), "{taken:?}");
+    for (radius, ..) in cylinders(&round) {
+        assert!((radius - 3.0).abs() < 1e-9, "{radius}");
+    }
+    round.brep.check().expect("a valid solid");
+}
+
+#[test]
+fn an_aligned_scan_stands_on_its_main_plane() {
+    let options = Options::builder().align(true).build().expect("options");
+    let body = posed_with(&block_with_bores, 19.0, 0.05, &options);
+    let placement = body.placement.expect("a placement");
+    let low = body.brep.vertices.iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+    assert!(low.abs() < 1e-9, "{low}");
+    for (_, axis, _) in cylinders(&body) {
+        assert_eq!(axis.xy().norm(), 0.0, "{axis}");
+    }
+    // The scan lies on the part if it is put there.
+    let exact = body.exact().expect("exact faces");
+    let sides = exact.faces.iter().filter(|face| matches!(face.surface, Primitive::Plane { .. }));
+    assert_eq!(sides.count(), 6);
+    assert!(body.deviation.rms < 0.06, "{}", body.deviation.rms);
+    assert!(placement.axes != [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+}
+
+#[test]
+fn a_smooth_scan_cannot_be_aligned() {
+    let field = |p: Vector3<f64>| p.norm() - 8.0 - 0.9 * (0.5 * p.x).sin() * (0.6 * p.y).cos();
+    let soup = scan(&field, 10.0, 1.2, 0.05);
+    let options = Options::builder().align(true).build().expect("options");
+    let refused = convert(&soup, &options, &mut |_| Ok(()));
+    assert!(matches!(refused, Err(Error::Unaligned(_))), "{refused:?}");
 }
 
 #[test]

@@ -303,6 +303,10 @@ fn cylinders(fit: &ExactFit) -> Vec<CylinderFigures> {
         let deviation = face.uncertainty.and_then(|of| of.radius);
         let kind = if face.side < 0.0 { "bore" } else { "shaft" };
         let [low, high] = extents[number];
+        // A sliver of a face may hold no triangle, and then it has no place either.
+        if !(high - low).norm().is_finite() {
+            continue;
+        }
         let is_same = |(other, row): &(Primitive, CylinderFigures)| {
             row.kind == kind && is_one(other, &face.surface, (high - low).norm())
         };

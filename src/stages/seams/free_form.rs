@@ -15,8 +15,12 @@ use crate::geometry::VertexId;
 use crate::geometry::sets::Sets;
 use crate::spline::Surface;
 
-/// Faces are divided so often. Each time halves them, so that facets are left in the end.
-const ROUNDS: usize = 24;
+/// The rounds in which faces that fail are halved. In later ones they become facets. A check sees what the ones before it let pass, so that most rounds
+/// have few faces left to divide.
+const HALVED: usize = 14;
+
+/// The most rounds.
+const ROUNDS: usize = 60;
 
 /// So many facets of a clean mesh that hang together smoothly are a curved face whose surface is not known.
 const FEWEST_FACETS: usize = 5;
@@ -89,7 +93,7 @@ impl Work<'_> {
             self.patches.drain(..).partition(|patch| patch.is_facet);
         self.patches = exact;
         self.patches.extend(self.hung_together(facets));
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             if !self.patches.iter().any(|patch| patch.free_form().is_some()) {
                 break;
             }
@@ -97,7 +101,7 @@ impl Work<'_> {
             self.number();
             match shell(&mut self) {
                 Ok(better) => return better,
-                Err(faults) if self.divide(&faults) => {}
+                Err(faults) if self.divide(&faults, round < HALVED) => {}
                 Err(_) => break,
             }
         }
@@ -333,8 +337,8 @@ impl Work<'_> {
         })
     }
 
-    /// Divides the free-form faces at the faults. Returns false if there are none.
-    fn divide(&mut self, faults: &[SeamFault]) -> bool {
+    /// Divides the free-form faces at the faults, or makes facets of them. Returns false if there are none.
+    fn divide(&mut self, faults: &[SeamFault], halves: bool) -> bool {
         let mut failed: BTreeSet<usize> = BTreeSet::new();
         for fault in faults {
             let own = fault.patches.iter().copied().filter(|&i| self.is_free(i));
@@ -353,7 +357,8 @@ impl Work<'_> {
         let mut patches = Vec::new();
         for (i, patch) in std::mem::take(&mut self.patches).into_iter().enumerate() {
             match patch.free_form().filter(|_| failed.contains(&i)) {
-                Some(form) => patches.extend(self.divided(form.facets.clone())),
+                Some(form) if halves => patches.extend(self.divided(form.facets.clone())),
+                Some(form) => patches.extend(form.facets.clone()),
                 None => patches.push(patch),
             }
         }

@@ -21,6 +21,9 @@ const MOST_APART: f64 = 3.0;
 /// Angles count as what they move so many edges away.
 const LEVER: f64 = 30.0;
 
+/// A radius with a standard deviation of a larger share is equal to many others by chance.
+const KNOWN: f64 = 0.1;
+
 impl Work<'_> {
     /// The conditions that the data allow.
     pub(super) fn conditions(&self, fits: &[FittedSurface]) -> Vec<Condition> {
@@ -161,10 +164,12 @@ impl Work<'_> {
     fn equal_radii(&self, fits: &[FittedSurface]) -> Vec<Condition> {
         let beside: BTreeSet<[u32; 2]> = self.borders().iter().map(|border| border.pair).collect();
         let error = |r: usize| fits[r].uncertainty.and_then(|of| of.radius);
-        let mut order: Vec<(f64, usize)> = (0..fits.len())
-            .filter(|&r| fits[r].weight > 1.0 && self.surface(r as u32).radius().is_some())
-            .filter_map(|r| Some((error(r)?, r)))
-            .collect();
+        let is_known = |&(error, r): &(f64, usize)| {
+            let radius = self.surface(r as u32).radius();
+            fits[r].weight > 1.0 && radius.is_some_and(|radius| error <= KNOWN * radius)
+        };
+        let errors = (0..fits.len()).filter_map(|r| Some((error(r)?, r)));
+        let mut order: Vec<(f64, usize)> = errors.filter(is_known).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut groups: Vec<Vec<usize>> = Vec::new();
         let mut found = Vec::new();
