@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::importers::{freecad_solid, opencascade_solid};
 use common::random::Random;
-use common::{arg, checked, convert, converted, fixture, inspect, json, number};
+use common::{arg, check, checked, convert, converted, fixture, inspect, json, number};
 use scan2step::Options;
 use scan2step::formats::Soup;
 use serde_json::{Value, json};
@@ -131,7 +131,8 @@ fn a_wavy_top_is_one_free_form_face_through_its_vertices() {
     let found = number(&report, "/shape/volume_mm3");
     // The triangles miss 7 mm³ of it.
     assert!((found - volume).abs() < 0.5, "{found} of {volume}");
-    let top = report["faces"].as_array().expect("faces").iter().find(|face| face["surface"] == "spline");
+    let top =
+        report["faces"].as_array().expect("faces").iter().find(|face| face["surface"] == "spline");
     let off = number(top.expect("a spline"), "/max_mm");
     assert!(off < 1e-3, "{off}");
     let found = opencascade_solid(&step);
@@ -230,6 +231,44 @@ fn a_bracket_has_its_bores_and_fillets() {
     let page = std::fs::read_to_string(page).expect("a page");
     assert!(page.contains("15 faces"));
     assert!(std::fs::metadata(picture).expect("a picture").len() > 10_000);
+}
+
+#[test]
+fn check_takes_the_placement_of_an_aligned_part() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [scan, step] = ["turned.obj", "turned.step"].map(|name| folder.path().join(name));
+    // The bracket of the fixtures, standing on another side.
+    let soup = scan2step::formats::read_scan(&fixture("bracket.stl")).expect("a mesh");
+    let mut text = String::new();
+    for [x, y, z] in &soup.points {
+        writeln!(text, "v {} {} {}", z + 30.0, x - 7.0, y).expect("text");
+    }
+    for polygon in soup.polygons.iter() {
+        let corners: Vec<String> = polygon.iter().map(|k| (k + 1).to_string()).collect();
+        writeln!(text, "f {}", corners.join(" ")).expect("text");
+    }
+    std::fs::write(&scan, text).expect("a file");
+    let (said, report) = made(&scan, &step, &["--align"]);
+    assert!(said.contains("aligned: the main plane lies in z = 0"), "{said}");
+    assert_eq!(report["placement"].as_array().map(Vec::len), Some(3));
+    let planes = report["faces"].as_array().expect("faces").iter();
+    let planes = planes.filter(|face| face["surface"] == "plane");
+    let lowest = planes.filter(|face| number(face, "/parameters/axis/2") == -1.0);
+    let lowest = lowest.map(|face| number(face, "/parameters/at/2")).fold(f64::INFINITY, f64::min);
+    assert!(lowest.abs() < 1e-9, "{lowest}");
+    let report = step.with_extension("json");
+    let checked = |options: &[&str]| {
+        let found = check(&[&[arg(&step), arg(&scan), "--json"], options].concat());
+        serde_json::from_slice::<Value>(&found.stdout).expect("JSON")
+    };
+    let there = checked(&["--placement", arg(&report)]);
+    assert!(number(&there, "/scan_to_face/max_mm") < 1e-4, "{there}");
+    let away = checked(&[]);
+    assert!(number(&away, "/scan_to_face/max_mm") > 1.0, "{away}");
+    // Other files are named.
+    let refused = check(&[arg(&step), arg(&scan), "--placement", arg(&step)]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && said.contains("turned.step"), "{said}");
 }
 
 #[test]

@@ -6,9 +6,7 @@ use formats::step;
 use scan2step::nalgebra::{Rotation3, Vector3};
 use scan2step::primitives::{Primitive, PrimitiveKind, Uncertainty};
 use scan2step::stages::sharpen::{Size, SizeKind};
-use scan2step::{
-    Body, Conversion, Error, ExactFace, FaceSize, Options, SurfaceChoice, convert,
-};
+use scan2step::{Body, Conversion, Error, ExactFace, FaceSize, Options, SurfaceChoice, convert};
 
 type Field = dyn Fn(Vector3<f64>) -> f64;
 
@@ -187,6 +185,19 @@ fn sizes_have_standard_deviations_and_become_round_if_asked() {
         assert!((radius - 3.0).abs() < 1e-9, "{radius}");
     }
     round.brep.check().expect("a valid solid");
+}
+
+#[test]
+fn inspect_tells_what_a_scanned_part_becomes() {
+    let soup = scan(&block_with_bores, 19.0, 0.7, 0.05);
+    let components = mesh_components(&soup, &Options::default()).expect("a mesh");
+    let found = inspect(components, Choice::Auto, Outer::Auto).expect("an inspection");
+    let exact = found.exact.expect("exact faces");
+    let count = |kind| exact.kinds.iter().filter(|&&of| of == kind).count();
+    assert_eq!([PrimitiveKind::Plane, PrimitiveKind::Cylinder].map(count), [6, 2]);
+    assert!(exact.noise.is_some_and(|noise| (noise / 0.05 - 1.0).abs() < 0.2), "{:?}", exact.noise);
+    assert!(exact.radii.iter().all(|radius| (radius - 3.0).abs() < 0.1), "{:?}", exact.radii);
+    assert!(exact.explained > 0.98 && exact.facets == 0);
 }
 
 #[test]

@@ -78,6 +78,8 @@ class Cylinder(NamedTuple):
     length: float
     #: The faces on it, as positions in ``faces`` of the conversion.
     faces: Tuple[int, ...]
+    #: The standard deviation of the radius in mm, if the part was scanned and its vertices tell it.
+    radius_deviation: Optional[float] = None
 
 
 class Relation(NamedTuple):
@@ -215,7 +217,8 @@ class Conversion:
             for row in body.get("exact", {}).get("cylinders", []):
                 at, axis = _triple(row["at"]), _triple(row["axis"])
                 faces = tuple(first + face for face in row["faces"])
-                found.append(Cylinder(row["kind"], row["radius_mm"], at, axis, row["length_mm"], faces))
+                deviation = row["radius_deviation_mm"]
+                found.append(Cylinder(row["kind"], row["radius_mm"], at, axis, row["length_mm"], faces, deviation))
             first += body["shape"]["faces"]
         return found
 
@@ -281,6 +284,11 @@ class Conversion:
         """Where the result is measured from: zero unless the scan is far from zero."""
         x, y, z = self._made.origin
         return x, y, z
+
+    @property
+    def placement(self) -> Optional[List[List[float]]]:
+        """The rows of the matrix that ``align=True`` has found: it takes places of the scan's own frame, in mm, to those of the part."""
+        return self._made.placement
 
     @property
     def hints(self) -> List[str]:

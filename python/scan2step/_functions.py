@@ -207,6 +207,7 @@ def check(
     max_points: Optional[int] = None,
     scan_number: Optional[int] = None,
     origin: str = "local",
+    placement: Optional[Sequence[Sequence[float]]] = None,
     threads: Optional[int] = None,
 ) -> Dict[str, Any]:
     """Measures a CAD file against a scan, in both directions.
@@ -214,6 +215,7 @@ def check(
     :param cad: the path of a STEP or IGES file, the bytes of a STEP file, or a :class:`Conversion`.
     :param tolerance: the largest distance that counts as good.
     :param outliers: the share of points that may exceed it.
+    :param placement: the ``placement`` of a conversion with ``align=True``, which puts the scan to the part.
     :returns: what the program's ``check --json`` prints, as a dictionary.
     :raises FileError: a file cannot be read.
     """
@@ -224,13 +226,13 @@ def check(
     if isinstance(cad, Conversion):
         cad = cad.step()
     if not isinstance(cad, bytes):
-        return _checked(os.fsdecode(cad), read, options, tolerance, outliers)
+        return _checked(os.fsdecode(cad), read, options, placement, tolerance, outliers)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "part.step")
         with open(path, "wb") as file:
             file.write(cad)
         try:
-            return _checked(path, read, options, tolerance, outliers)
+            return _checked(path, read, options, placement, tolerance, outliers)
         except FileError as error:
             told = str(error).replace(path, "the bytes of the CAD file")
             raise FileError(told, error.help, place=error.place) from None
@@ -240,10 +242,12 @@ def _checked(
     path: str,
     scan: _scan2step.Scan,
     options: Dict[str, Any],
+    placement: Optional[Sequence[Sequence[float]]],
     tolerance: Optional[float],
     outliers: float,
 ) -> Dict[str, Any]:
-    found: Dict[str, Any] = json.loads(_scan2step.check(path, scan, options, tolerance, outliers))
+    rows = None if placement is None else [list(row) for row in placement]
+    found: Dict[str, Any] = json.loads(_scan2step.check(path, scan, options, rows, tolerance, outliers))
     return found
 
 

@@ -78,6 +78,8 @@ class Conversion:
     @property
     def origin(self) -> List[float]: ...
     @property
+    def placement(self) -> Optional[List[List[float]]]: ...
+    @property
     def hints(self) -> List[str]: ...
     @property
     def face_count(self) -> int: ...
@@ -124,6 +126,7 @@ def check(
     path: Union[str, PathLike[str]],
     scan: Scan,
     options: Dict[str, Any],
+    placement: Optional[List[List[float]]],
     tolerance: Optional[float],
     outliers: float,
 ) -> str: ...

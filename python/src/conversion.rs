@@ -133,6 +133,11 @@ impl Conversion {
     }
 
     #[getter]
+    fn placement(&self) -> Option<[[f64; 4]; 3]> {
+        self.report.placement
+    }
+
+    #[getter]
     fn hints(&self) -> Vec<String> {
         self.report.hints.clone()
     }

@@ -12,7 +12,7 @@ use scan2step::report::{
     CheckFigures, InspectionFigures, MeasuredComponents, Report, ScanSource, Settings,
     StageFigures, ViewRecorder,
 };
-use scan2step::{Memory, Options, Stage, rules};
+use scan2step::{Memory, Options, Stage, report, rules};
 
 use crate::conversion::Conversion;
 use crate::errors::Failure;
@@ -147,10 +147,12 @@ pub fn check(
     path: PathBuf,
     scan: &Bound<Scan>,
     options: &Bound<PyDict>,
+    placement: Option<[[f64; 4]; 3]>,
     tolerance: Option<f64>,
     outliers: f64,
 ) -> PyResult<String> {
     let named = options::named(options)?;
+    let placement = placement.map(report::placement_of_rows);
     let of = |option| move |fault| Failure::from(scan2step::Error::Option { option, fault });
     tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
     rules::share(outliers).map_err(of("outliers"))?;
@@ -166,9 +168,10 @@ pub fn check(
             left_out: measured.left_out,
         };
         drop(components);
-        let measured = match options.keeps_origin() {
-            true => measured.translated(source.origin_mm),
-            false => measured,
+        let measured = match (placement, options.keeps_origin()) {
+            (Some(by), _) => measured.translated(source.origin_mm).placed(&by),
+            (None, true) => measured.translated(source.origin_mm),
+            (None, false) => measured,
         };
         let found = scan2step::check::check(&model, &measured.mesh, measured.points.as_deref())?;
         let cad = (path.display().to_string(), &model);

@@ -104,3 +104,13 @@ def test_distances_are_those_from_the_exact_faces(bracket: scan2step.Conversion)
     # A point in the middle of the bore is as far from it as its radius.
     assert bracket.distance([[2.25, 20, 35]])[0] == pytest.approx(9, abs=1e-4)
     assert np.nanmax(np.abs(bracket.deviations)) < 1e-5
+
+
+def test_an_aligned_part_is_where_its_matrix_says(bracket: scan2step.Conversion) -> None:
+    assert bracket.placement is None
+    made = scan2step.convert(BRACKET, align=True)
+    assert made.placement is not None
+    matrix = np.array(made.placement)
+    assert np.allclose(matrix[:, :3] @ matrix[:, :3].T, np.eye(3))
+    there = scan2step.check(made, BRACKET, placement=made.placement)
+    assert there["scan_to_face"]["max_mm"] < 1e-4

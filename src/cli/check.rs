@@ -6,7 +6,9 @@ use std::path::Path;
 use formats::SceneContent;
 use formats::cad::{CadModel, read_cad, read_cad_stream};
 use formats::scene::Placement;
-use scan2step::report::{CheckFigures, DistanceFigures, MeasuredComponents, ScanSource};
+use scan2step::report::{
+    CheckFigures, DistanceFigures, MeasuredComponents, ScanSource, placement_of_rows,
+};
 use scan2step::words::{box_extents, grouped, mm, plain_mm, plural};
 use scan2step::{SceneParts, check};
 
@@ -72,11 +74,7 @@ fn placement_of(report: &Path) -> Result<Placement, Failure> {
         serde_json::from_str(&text).map_err(|e| failure(format!("is no JSON: {e}")))?;
     let rows: Option<[[f64; 4]; 3]> =
         serde_json::from_value(read["placement"].clone()).ok().flatten();
-    let rows = rows.ok_or_else(|| failure("has no placement".into()))?;
-    Ok(Placement {
-        axes: [0, 1, 2].map(|k| rows.map(|row| row[k])),
-        translation: rows.map(|row| row[3]),
-    })
+    rows.map(placement_of_rows).ok_or_else(|| failure("has no placement".into()))
 }
 
 /// The error of a placement of a file with several parts.

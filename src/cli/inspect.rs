@@ -184,15 +184,24 @@ pub(super) fn target(found: &Inspection) -> String {
     }
 }
 
-/// What a conversion makes of a clean mesh.
+/// What a conversion makes of a part.
 fn exact_target(exact: &ExactEstimate) -> String {
     let count = |kind: &PrimitiveKind| exact.kinds.iter().filter(|&of| of == kind).count();
     let counts = PrimitiveKind::ALL.iter().map(|kind| (kind.name(), count(kind)));
     let all = plural(exact.kinds.len() + exact.facets, "face");
     let kinds = messages::kinds(counts.chain([("facet", exact.facets)]));
     let shape = exact.shape.map_or("body", TargetShape::word);
-    let near = messages::within_rounding(exact.rounding_factor);
-    format!("a {shape} of {all}: {kinds}, as its vertices lie on them {near}")
+    match exact.noise {
+        Some(noise) => format!(
+            "a {shape} of {all}: {kinds} on {:.0} % of the area, as noise of {} explains how far its vertices are off them; others join them",
+            100.0 * exact.explained,
+            mm(noise)
+        ),
+        None => {
+            let near = messages::within_rounding(exact.rounding_factor);
+            format!("a {shape} of {all}: {kinds}, as its vertices lie on them {near}")
+        }
+    }
 }
 
 /// The number of holes, and of handles, that have a line of their own, so that the text fits on a screen.

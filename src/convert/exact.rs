@@ -210,6 +210,32 @@ pub struct ExactEstimate {
     pub shape: Option<TargetShape>,
     /// Within how many times the rounding of the file the vertices lie on them.
     pub rounding_factor: f64,
+    /// The share of the area that they have.
+    pub explained: f64,
+    /// The standard deviation of the noise in mm that explains how far the vertices of a scan are off them. `None` for a clean mesh.
+    pub noise: Option<f64>,
+}
+
+impl ExactEstimate {
+    /// The faces of regions whose unit has so many mm.
+    pub(super) fn of(regions: &Regions, mm: f64) -> Self {
+        let (facets, faces): (Vec<_>, Vec<_>) =
+            regions.regions.iter().partition(|region| region.origin == RegionOrigin::Facet);
+        let cylinders =
+            faces.iter().filter(|region| region.surface.kind() == PrimitiveKind::Cylinder);
+        let mut radii: Vec<f64> =
+            cylinders.filter_map(|of| of.surface.radius()).map(|r| mm * r).collect();
+        radii.sort_by(|a, b| b.total_cmp(a));
+        ExactEstimate {
+            kinds: faces.into_iter().map(|region| region.surface.kind()).collect(),
+            facets: facets.len(),
+            radii,
+            shape: None,
+            rounding_factor: 1.0,
+            explained: regions.explained,
+            noise: None,
+        }
+    }
 }
 
 /// The exact faces of a component, if it is clean and they are significant.
@@ -219,23 +245,10 @@ pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<Ex
     let Some(shape) = shape.filter(|_| are_wanted(scan, &options)) else { return Ok(None) };
     let found = regions_of(scan, component, shape, &options)?;
     let found = found.map(ExactComponent::shell_of_several);
-    Ok(found.filter(|found| found.regions.is_significant()).map(|found| {
-        let regions = found.regions.regions.iter();
-        let (facets, faces): (Vec<_>, Vec<_>) =
-            regions.partition(|region| region.origin == RegionOrigin::Facet);
-        let cylinders =
-            faces.iter().filter(|region| region.surface.kind() == PrimitiveKind::Cylinder);
-        let mut radii: Vec<f64> =
-            cylinders.filter_map(|of| of.surface.radius()).map(|r| scan.mm() * r).collect();
-        radii.sort_by(|a, b| b.total_cmp(a));
-        let kinds = faces.into_iter().map(|region| region.surface.kind()).collect();
-        ExactEstimate {
-            kinds,
-            facets: facets.len(),
-            radii,
-            shape: Some(found.shape),
-            rounding_factor: found.factor,
-        }
+    Ok(found.filter(|found| found.regions.is_significant()).map(|found| ExactEstimate {
+        shape: Some(found.shape),
+        rounding_factor: found.factor,
+        ..ExactEstimate::of(&found.regions, scan.mm())
     }))
 }
 

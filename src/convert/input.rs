@@ -4,6 +4,7 @@ use formats::scene::Placement;
 
 use super::estimate::{BodyEstimate, estimate};
 use super::exact::{self, ExactEstimate};
+use super::scanned;
 use super::shape::{TargetShape, shape_and_reason};
 use crate::convert::Options;
 use crate::error::Result;
@@ -74,7 +75,7 @@ pub struct Inspection {
     pub is_ragged: Option<bool>,
     /// The largest components, if there are several.
     pub pieces: Vec<PieceReport>,
-    /// The exact faces that it has, if it is a clean mesh. There is then no other estimate.
+    /// The exact faces that it has, if it is a clean mesh, or the scan of a part. There is then no other estimate.
     pub exact: Option<ExactEstimate>,
     /// An estimate of a solid or a shell. `None` for a face, or if a conversion fails before it has a
     /// layout.
@@ -274,7 +275,10 @@ fn body_estimate(scan: &Components, component: Choice, shape: TargetShape) -> Op
 }
 
 fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
-    let exact = exact::estimate(&scan, component)?;
+    let exact = match exact::estimate(&scan, component)? {
+        None => scanned::estimate(&scan, component)?,
+        found => found,
+    };
     let chosen = match exact {
         Some(_) => scan.take_whole(component)?,
         None => scan.take(component)?,

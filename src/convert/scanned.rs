@@ -5,7 +5,7 @@ use formats::scene::Placement;
 
 use super::align::{self, Datum};
 use super::conversion::{Body, ExactFace, FaceSize};
-use super::exact::Exact;
+use super::exact::{self, Exact, ExactEstimate};
 use super::exact_body::{ExactBody, each, turned};
 use super::exact_distances::Distances;
 use super::input::{self, InputReport};
@@ -88,6 +88,26 @@ pub(super) fn scanned(
     let found = found.into_iter().map(|one| (one.component, one)).collect();
     let mut placement = None;
     each(found, watch, |one, watch| body(one, scan, options, &mut placement, watch))
+}
+
+/// The exact faces that a conversion finds on a closed component of a scan, if they are most of it.
+pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<ExactEstimate>> {
+    let options = Options::default();
+    if !scan.is_closed(component) || !exact::are_wanted(scan, &options) {
+        return Ok(None);
+    }
+    let mesh = input::whole_body(scan, component, TargetShape::Solid, &options)?.0.mesh;
+    let noise = ScanNoise::of(&mesh);
+    if mesh.points.len() > MOST_VERTICES || !noise.is_visible {
+        return Ok(None);
+    }
+    let regions = regions::find_scanned(&mesh, &noise);
+    let estimate = ExactEstimate {
+        shape: Some(TargetShape::Solid),
+        noise: Some(scan.mm() * noise.deviation),
+        ..ExactEstimate::of(&regions, scan.mm())
+    };
+    Ok((regions.explained >= LEAST_EXACT).then_some(estimate))
 }
 
 /// The surfaces of the regions, each once, and for each triangle its surface.

@@ -202,7 +202,7 @@ pub struct InspectionFigures {
     pub pieces: Vec<PieceFigures>,
     /// About how many faces a solid or a shell gets.
     pub faces_about: Option<usize>,
-    /// The exact faces that it becomes, if it is the mesh of a CAD program.
+    /// The exact faces that it becomes, if it is the mesh of a CAD program or the scan of a part.
     pub exact: Option<EstimateFigures>,
     /// The handles and tunnels that a solid or a shell keeps. Their loops run along the edges of a coarse mesh.
     pub handles: Vec<HandleFigures>,
@@ -214,7 +214,7 @@ pub struct InspectionFigures {
     pub noise_mm: f64,
 }
 
-/// The exact faces that a mesh of a CAD program becomes.
+/// The exact faces that the mesh of a CAD program or the scan of a part becomes.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -225,6 +225,8 @@ pub struct EstimateFigures {
     pub facets: usize,
     /// The radii of the cylinders, the widest first.
     pub radii_mm: Vec<f64>,
+    /// The percentage of the area that they have.
+    pub explained_pct: f64,
 }
 
 impl EstimateFigures {
@@ -241,6 +243,7 @@ impl EstimateFigures {
             },
             facets: exact.facets,
             radii_mm: exact.radii.clone(),
+            explained_pct: 100.0 * exact.explained,
         }
     }
 }

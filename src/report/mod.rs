@@ -234,6 +234,12 @@ pub fn placement_rows(of: &Placement) -> [[f64; 4]; 3] {
     [0, 1, 2].map(|k| [x[k], y[k], z[k], of.translation[k]])
 }
 
+/// The placement with such rows.
+pub fn placement_of_rows(rows: [[f64; 4]; 3]) -> Placement {
+    let axes = [0, 1, 2].map(|k| rows.map(|row| row[k]));
+    Placement { axes, translation: rows.map(|row| row[3]) }
+}
+
 /// The name of a file without its folder.
 #[cfg(feature = "html")]
 fn file_name(path: &str) -> String {

@@ -15,6 +15,8 @@ OPTIONS = {
     "holes": ("App::PropertyEnumeration", ["cut out", "filled"], "What becomes of the holes of a face"),
     "component": ("App::PropertyIntegerConstraint", (0, 0, 1000000, 1), "Component of the scan; 0 is the largest"),
     "smooth": ("App::PropertyEnumeration", ["auto", "off"], "Smoothing of the scan"),
+    "sizes": ("App::PropertyEnumeration", ["as measured", "round"], "Radii, angles and distances of planes in the scan of a part: as measured, or round where that is within two standard deviations"),
+    "weld": ("App::PropertyLength", 0.0, "Points of rims that are not farther from each other are one; 0: what the scan tells"),
     "face_count": ("App::PropertyIntegerConstraint", (0, 0, 100000, 1), "About how many faces a solid or a shell gets; 0: as many as its shape needs"),
     "handles": ("App::PropertyLength", 0.0, "Cut handles whose loop is not longer; 0: a few edges"),
     "outline": ("App::PropertyEnumeration", ["auto", "sides", "trimmed"], "Where the outer boundary of a face goes: the sides of its surface, or a trim loop"),
@@ -44,8 +46,9 @@ def arguments(values):
         "outline": values["outline"],
         "outliers": values["outliers"] / 100.0,
         "keep_fills": values["holes"] == "filled",
+        "regularize": values["sizes"] == "round",
     }
-    for name in ("tolerance", "handles", "rim_tolerance", "fill_only_holes_below"):
+    for name in ("tolerance", "handles", "rim_tolerance", "fill_only_holes_below", "weld"):
         if values[name] > 0:
             given[name] = float(values[name])
     if values["face_count"] > 0:

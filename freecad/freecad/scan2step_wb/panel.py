@@ -14,6 +14,8 @@ TITLES = {
     "holes": "Holes",
     "component": "Component",
     "smooth": "Smoothing",
+    "sizes": "Sizes of a part",
+    "weld": "Join rims up to (mm)",
     "face_count": "Number of faces",
     "handles": "Cut handles up to (mm)",
     "outline": "Outer boundary",

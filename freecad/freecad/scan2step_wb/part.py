@@ -77,6 +77,9 @@ def notes(report):
     if snaps:
         moved = ", ".join(f"{count} to {to}" for to, count in snaps.items())
         lines.append(f"moved within the rounding of the file: {moved}")
+    for row in exact["round_sizes"]:
+        measured = f"{row['size']} {row['value']:.6g} {row['unit']} ± {row['standard_deviation']:.2g}"
+        lines.append(f"{measured} is {row['round']:.6g}" + (", made so" if row["taken"] else ""))
     for row in exact["facets"]:
         lines.append(f"{counted(row['triangles'], 'facet')} of a {row['surface']} near {place(row['at'])}, as {row['why']}")
     for row in exact["risers"]:
