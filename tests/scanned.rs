@@ -3,10 +3,14 @@
 use formats::Soup;
 use formats::brep::ShellId;
 use formats::step;
+use scan2step::mesh::{Choice, Outer};
 use scan2step::nalgebra::{Rotation3, Vector3};
 use scan2step::primitives::{Primitive, PrimitiveKind, Uncertainty};
 use scan2step::stages::sharpen::{Size, SizeKind};
-use scan2step::{Body, Conversion, Error, ExactFace, FaceSize, Options, SurfaceChoice, convert};
+use scan2step::{
+    Body, Conversion, Error, ExactFace, FaceSize, Options, SurfaceChoice, convert, inspect,
+    mesh_components,
+};
 
 type Field = dyn Fn(Vector3<f64>) -> f64;
 
