@@ -28,6 +28,7 @@ def convert(
     surfaces: str = "auto",
     keep_polygons: bool = False,
     regularize: bool = False,
+    bias: Optional[float] = None,
     align: bool = False,
     edges: Union[str, float] = "auto",
     face_count: Optional[int] = None,
@@ -84,6 +85,7 @@ def convert(
     :param keep_polygons: leave prisms of few sides flat where a cylinder has all their corners.
     :param align: turn a part so that its main plane lies in z = 0 and its main axis is one of the world; ``placement`` has the
         matrix.
+    :param bias: the size of systematic errors of the scanner in mm, which neighbouring points share.
     :param regularize: make radii, angles and distances of planes in the scan of a part round where that is within two standard deviations.
     :param edges: where exact faces end. ``"auto"``: where another surface begins; an angle in degrees: also at every edge
         of the mesh that turns by more; ``"off"``: nowhere, so that the faces are B-splines.

@@ -91,6 +91,7 @@ fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
         )?),
         "keep_polygons" => builder.keep_polygons(value.extract()?),
         "regularize" => builder.regularize(value.extract()?),
+        "bias" => builder.bias(value.extract()?),
         "align" => builder.align(value.extract()?),
         "edges" => builder.edges(match value.extract::<f64>() {
             Ok(degrees) => EdgeChoice::Degrees(degrees),

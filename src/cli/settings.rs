@@ -55,6 +55,7 @@ pub(crate) fn options(args: &Convert) -> Result<Options, Failure> {
         })
         .keep_polygons(how.keep_polygons)
         .regularize(how.regularize)
+        .bias(how.bias)
         .align(how.align)
         .edges(how.edges)
         .faces(how.faces)

@@ -66,7 +66,8 @@ pub(super) fn scanned(
                 "faces of parts are looked for in scans of at most {MOST_VERTICES} vertices, so that edges may be rounded"
             )));
         }
-        let noise = ScanNoise::of(&body.mesh);
+        let bias = options.bias.unwrap_or(0.0) / scan.mm();
+        let noise = ScanNoise::of(&body.mesh).with_bias(bias);
         if !noise.is_visible {
             return Ok(Exact::Unsuited);
         }
@@ -217,6 +218,7 @@ fn body(
     let how = sharpen::Options {
         noise: noise.deviation,
         correlation: noise.common(),
+        bias: noise.bias,
         unit: 1.0 / scan.unit(),
         regularize: options.regularize,
     };

@@ -67,6 +67,13 @@ impl Uncertainty {
         })
     }
 
+    /// The same if systematic errors of such a size may move places and radii, too.
+    pub(crate) fn with_bias(self, bias: f64) -> Self {
+        let long = |of: Option<f64>| of.map(|x| x.hypot(bias));
+        let (radius, major) = (long(self.radius), long(self.major));
+        Uncertainty { place: self.place.hypot(bias), radius, major, ..self }
+    }
+
     /// The same in a unit of which the old one has so many.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let long = |of: Option<f64>| of.map(|x| factor * x);

@@ -73,6 +73,8 @@ pub struct Settings {
     pub keep_polygons: bool,
     /// Whether sizes of a scan become round.
     pub regularize: bool,
+    /// The size of systematic errors of the scanner in mm.
+    pub bias: Option<f64>,
     /// Whether a part is turned to the axes of the world.
     pub align: bool,
     /// Where exact faces end: "auto", "off" or an angle in degrees.
@@ -173,6 +175,7 @@ impl Settings {
             },
             keep_polygons: options.keep_polygons,
             regularize: options.regularize,
+            bias: options.bias,
             align: options.align,
             edges: match options.edges {
                 EdgeChoice::Auto => Setting::Word("auto"),

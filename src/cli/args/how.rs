@@ -26,6 +26,10 @@ pub struct How {
     /// Make radii, angles and distances of planes in the scan of a part round where that is within two standard deviations
     #[arg(long, help_heading = SHAPE)]
     pub regularize: bool,
+    /// The size of systematic errors of the scanner in mm, which neighbouring points share: faces of a scanned part may be so
+    /// far off [default: about a third of the noise]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, help_heading = ACCURACY)]
+    pub bias: Option<f64>,
     /// Turn a part so that its main plane lies in z = 0 and its main axis is one of the world; the report has the matrix
     #[arg(long, help_heading = SHAPE)]
     pub align: bool,

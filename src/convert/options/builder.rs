@@ -226,6 +226,13 @@ impl Builder {
         self
     }
 
+    /// The size in mm of systematic errors of the scanner, which neighbouring points share, so that they do not show as noise: waves and
+    /// offsets of CT scans and of line scanners. Exact faces of a scan may be so far off, and it is part of their standard deviations.
+    pub fn bias(mut self, length: Option<f64>) -> Self {
+        self.0.bias = length;
+        self
+    }
+
     /// Whether a part with exact faces is turned to the axes of the world: its main plane lies in z = 0, and its main axis is one of
     /// them. [`Conversion::placement`](super::Conversion::placement) says how.
     pub fn align(mut self, aligns: bool) -> Self {

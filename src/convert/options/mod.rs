@@ -49,6 +49,7 @@ pub struct Options {
     pub(crate) surfaces: SurfaceChoice,
     pub(crate) keep_polygons: bool,
     pub(crate) regularize: bool,
+    pub(crate) bias: Option<f64>,
     pub(crate) align: bool,
     pub(crate) edges: EdgeChoice,
     pub(crate) faces: Option<usize>,
@@ -105,6 +106,7 @@ impl Default for Options {
             surfaces: SurfaceChoice::Auto,
             keep_polygons: false,
             regularize: false,
+            bias: None,
             align: false,
             edges: EdgeChoice::Auto,
             faces: None,
@@ -294,6 +296,7 @@ impl Options {
         }
         self.faces.map_or(Ok(()), rules::faces).map_err(of("faces"))?;
         self.tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
+        self.bias.map_or(Ok(()), rules::length).map_err(of("bias"))?;
         self.handles.map_or(Ok(()), rules::extent).map_err(of("handles"))?;
         if let mesh::SeamWidth::Fixed(length) = self.weld {
             rules::extent(length).map_err(of("weld"))?;

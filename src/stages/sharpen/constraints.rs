@@ -210,7 +210,8 @@ impl Work<'_> {
 
     /// Whether a motion moves a surface by a small share of the noise at its vertices.
     fn is_small(&self, fit: &FittedSurface, motion: &MotionRow) -> bool {
-        squared(fit, motion) <= RELEVANT * RELEVANT * fit.weight
+        let relevant = RELEVANT.max(self.bias / self.noise);
+        squared(fit, motion) <= relevant * relevant * fit.weight
     }
 
     /// Meets all conditions of a group. Otherwise the surface that would move farthest is returned.

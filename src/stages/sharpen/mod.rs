@@ -46,6 +46,8 @@ pub struct Options {
     pub noise: f64,
     /// The variance of a mean of many neighbouring vertices, as a multiple of what it would be if their errors were independent.
     pub correlation: f64,
+    /// Systematic errors of the scanner, which neighbouring vertices share.
+    pub bias: f64,
     /// The length of the mesh's unit in that of the file, in which numbers are round.
     pub unit: f64,
     /// Whether sizes are made round where the scan allows it.
@@ -93,6 +95,7 @@ struct Work<'a> {
     edge: f64,
     noise: f64,
     correlation: f64,
+    bias: f64,
     surfaces: Vec<ScanSurface>,
     /// For each triangle its surface.
     of: Vec<u32>,
@@ -112,9 +115,9 @@ pub fn sharpen(
         (mesh.point(a) - mesh.point(b)).norm()
     };
     let edge = (0..count).map(long).sum::<f64>() / count.max(1) as f64;
-    let Options { noise, correlation, unit, regularize } = *options;
+    let Options { noise, correlation, bias, unit, regularize } = *options;
     let (surfaces, of) = (surfaces.to_vec(), of_triangle.to_vec());
-    let mut work = Work { mesh, edges, rings, edge, noise, correlation, surfaces, of };
+    let mut work = Work { mesh, edges, rings, edge, noise, correlation, bias, surfaces, of };
     work.tidy();
     let fits = work.fitted();
     let mut conditions = work.conditions(&fits);

@@ -72,6 +72,7 @@ impl Work<'_> {
             edge: self.edge,
             noise: self.noise,
             correlation: self.correlation,
+            bias: self.bias,
             surfaces: self.surfaces.clone(),
             of: opened.of,
         };

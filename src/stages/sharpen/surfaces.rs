@@ -54,6 +54,7 @@ impl Work<'_> {
                     self.surfaces[r].surface = surface;
                     // A surface that was not fitted has the deviations of too few vertices.
                     let uncertainty = Uncertainty::of(&motions, &covariance).filter(|_| is_known);
+                    let uncertainty = uncertainty.map(|of| of.with_bias(self.bias));
                     FittedSurface { motions, covariance, uncertainty, weight: weight.max(1.0) }
                 }
                 None => FittedSurface {

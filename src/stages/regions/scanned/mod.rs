@@ -41,6 +41,8 @@ pub struct ScanNoise {
     pub correlation: [f64; 2],
     /// Whether there is noise beyond the rounding of the file.
     pub is_visible: bool,
+    /// Systematic errors of the scanner, which neighbouring vertices share, in the unit of the mesh.
+    pub bias: f64,
     at: Vec<f64>,
 }
 
@@ -61,7 +63,13 @@ impl ScanNoise {
             if is_independent { [0.0; 2] } else { [one, two].map(|c| c.clamp(0.0, 1.0)) };
         let at = (0..mesh.points.len()).map(|v| field.at(VertexId::from(v))).collect();
         let is_visible = field.is_visible;
-        ScanNoise { deviation: field.deviation, correlation, is_visible, at }
+        ScanNoise { deviation: field.deviation, correlation, is_visible, bias: 0.0, at }
+    }
+
+    /// The same beside systematic errors.
+    #[must_use]
+    pub fn with_bias(self, bias: f64) -> Self {
+        ScanNoise { bias, ..self }
     }
 
     /// The variance of a mean of many neighbouring vertices, as a multiple of that of independent ones.

@@ -111,7 +111,7 @@ impl SurfaceModel {
         let pairs = f64::from(pairs).max(1.0);
         let agreement = products / pairs - one;
         let agreement_at = agreement / (spread * scan.common / pairs).sqrt();
-        let relevant = RELEVANT * RELEVANT;
+        let relevant = RELEVANT.max(scan.noise.bias / scan.noise.deviation).powi(2);
         !(agreement_at > SIGNIFICANT && agreement > relevant
             || excess_at > SIGNIFICANT && excess > 2.0 * relevant)
     }
