@@ -63,7 +63,7 @@ pub(super) fn placement(datums: &[Datum], mesh: &Mesh) -> Option<Placement> {
     };
     let DatumFrame { x, z, origin } = frame;
     let x = (x - x.dot(&z) * z).normalize();
-    let rows = [x, z.cross(&x), z].map(|row| tidy(row));
+    let rows = [x, z.cross(&x), z].map(tidy);
     let axes = [0, 1, 2].map(|k| rows.map(|row| row[k]));
     let translation = rows.map(|row| -row.dot(&origin.coords));
     Some(Placement { axes, translation })
@@ -175,7 +175,7 @@ pub(super) fn moved(surface: &Primitive, by: &Placement) -> Primitive {
 
 /// A mesh at its new place.
 pub(super) fn moved_mesh(mut mesh: Mesh, by: &Placement) -> Mesh {
-    mesh.points.iter_mut().for_each(|p| *p = Point::from(by.apply((*p).coords.into())));
+    mesh.points.iter_mut().for_each(|p| *p = Point::from(by.apply(p.coords.into())));
     mesh
 }
 

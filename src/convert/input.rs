@@ -208,7 +208,7 @@ impl Measured {
     #[must_use]
     pub fn placed(mut self, by: &Placement) -> Self {
         let points = self.mesh.points.iter_mut().chain(self.points.iter_mut().flatten());
-        points.for_each(|p| *p = Point::from(by.apply((*p).coords.into())));
+        points.for_each(|p| *p = Point::from(by.apply(p.coords.into())));
         self
     }
 
