@@ -13,7 +13,7 @@ use scan2step::formats::{read_scan, step};
 use scan2step::geometry::Point;
 use scan2step::mesh::from_soup;
 use scan2step::primitives::PrimitiveKind;
-use scan2step::stages::regions::{self, FileRounding, RegionOrigin, Tessellation};
+use scan2step::stages::regions::{self, FileRounding, MOST_TURN, RegionOrigin, Tessellation};
 use scan2step::stages::seams::{self, FacePatch, FacetForm, solid};
 use serde_json::json;
 
@@ -37,7 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut mesh = build.mesh.clone();
     mesh.points.iter_mut().for_each(|p: &mut Point| *p *= build.mm);
     let errors: Vec<f64> = errors.iter().map(|e| e * build.mm).collect();
-    let options = seams::Options { name: "part".into(), ..Default::default() };
+    let free_forms = seams::FreeForms::Through { turn: MOST_TURN, within: f64::INFINITY };
+    let options = seams::Options { name: "part".into(), free_forms, ..Default::default() };
     let (brep, report) = solid(&mesh, &errors, patches.collect(), &options)?;
     let kinds = report.kinds();
     let count = |kind: PrimitiveKind| kinds.iter().filter(|&&k| k == kind).count();

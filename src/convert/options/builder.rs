@@ -234,7 +234,7 @@ impl Builder {
     }
 
     /// Whether a part with exact faces is turned to the axes of the world: its main plane lies in z = 0, and its main axis is one of
-    /// them. [`Conversion::placement`](super::Conversion::placement) says how.
+    /// them. [`Conversion::placement`](crate::Conversion::placement) says how.
     pub fn align(mut self, aligns: bool) -> Self {
         self.0.align = aligns;
         self

@@ -8,7 +8,7 @@ use crate::primitives::{FitSample, OrientedPoint, Primitive, PrimitiveKind};
 
 /// No facet of a curved face turns more than this from the next: nobody exports coarser than 9 segments a turn (40°).
 /// It keeps cubes from becoming spheres (54.7°), and hexagons and octagons flat.
-pub(crate) const MOST_TURN: f64 = 0.707;
+pub const MOST_TURN: f64 = 0.707;
 
 /// From the middle of a facet to its corner is half a step across a ruled surface, and half a diagonal, ¾ step, of
 /// a mesh in two directions.

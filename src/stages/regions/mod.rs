@@ -38,7 +38,7 @@ mod tests;
 mod tori;
 
 pub use computed::computed;
-pub(crate) use exact::MOST_TURN;
+pub use exact::MOST_TURN;
 pub use precision::FlatPairs;
 pub use prisms::Prism;
 pub(crate) use result::MOST_OF_IT;
