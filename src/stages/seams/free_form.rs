@@ -17,7 +17,7 @@ use crate::spline::Surface;
 
 /// The rounds in which faces that fail are halved. In later ones they become facets. A check sees what the ones before it let pass, so that most rounds
 /// have few faces left to divide.
-const HALVED: usize = 14;
+const HALVED: usize = 24;
 
 /// The most rounds.
 const ROUNDS: usize = 60;
