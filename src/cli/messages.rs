@@ -293,16 +293,18 @@ pub(crate) fn summary(c: &Body) -> String {
                 let own = fit.faces.iter().filter(|face| face.is_free == is_free);
                 own.map(|face| face.max).fold(0.0, f64::max)
             };
-            let free = match fit.free_forms {
-                0 => String::new(),
-                _ => format!(", and free-form faces within {}", mm(farthest(true))),
+            let [exact, free] = [false, true].map(farthest);
+            let free = if free > exact {
+                format!(", and free-form faces within {}", mm(free))
+            } else {
+                String::new()
             };
             return format!(
                 "{}{}: {}; exact within {}{free}",
                 made_body(c).0,
                 gaps::edges_and_gaps(c),
                 kinds(SurfaceCounts::of(&c.brep).named()),
-                mm(farthest(false))
+                mm(exact)
             );
         }
     };
