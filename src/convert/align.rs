@@ -2,6 +2,7 @@
 
 use formats::scene::Placement;
 
+use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::Mesh;
 use crate::primitives::Primitive;
@@ -43,7 +44,7 @@ struct DatumFrame {
 /// axis is that of the direction in which cylinders, cones and tori have most area. It becomes the z axis or the x axis if it is perpendicular
 /// to the main plane or parallel to it. Otherwise the largest plane that is perpendicular to the main one lies in x = 0. Where no
 /// datum tells the origin, it is the middle of the part.
-pub(super) fn placement(datums: &[Datum], mesh: &Mesh) -> Option<Placement> {
+fn placement(datums: &[Datum], mesh: &Mesh) -> Option<Placement> {
     let planes = directions(datums, |surface| match *surface {
         Primitive::Plane { normal, .. } => Some(normal),
         _ => None,
@@ -67,6 +68,17 @@ pub(super) fn placement(datums: &[Datum], mesh: &Mesh) -> Option<Placement> {
     let axes = [0, 1, 2].map(|k| rows.map(|row| row[k]));
     let translation = rows.map(|row| -row.dot(&origin.coords));
     Some(Placement { axes, translation })
+}
+
+/// The placement of the first component, which those after it share.
+pub(super) fn common(
+    known: &mut Option<Placement>,
+    datums: &[Datum],
+    mesh: &Mesh,
+) -> Result<Placement> {
+    let found = known.or_else(|| placement(datums, mesh));
+    *known = found;
+    found.ok_or_else(|| Error::Unaligned("it has no plane and no axis".into()))
 }
 
 /// The frame on a main plane.
@@ -154,7 +166,7 @@ fn tidy(along: Vector) -> Vector {
 
 /// A surface at its new place. Directions that are those of the world but for rounding become so.
 pub(super) fn moved(surface: &Primitive, by: &Placement) -> Primitive {
-    let place = |p: Point| Point::from(by.apply(p.coords.into()));
+    let place = |p: Point| moved_place(p, by);
     let turn = |v: Vector| tidy(Vector::from(by.turn(v.into())));
     match *surface {
         Primitive::Plane { origin, normal } => {
@@ -173,9 +185,14 @@ pub(super) fn moved(surface: &Primitive, by: &Placement) -> Primitive {
     }
 }
 
+/// A point at its new place.
+pub(super) fn moved_place(p: Point, by: &Placement) -> Point {
+    Point::from(by.apply(p.coords.into()))
+}
+
 /// A mesh at its new place.
 pub(super) fn moved_mesh(mut mesh: Mesh, by: &Placement) -> Mesh {
-    mesh.points.iter_mut().for_each(|p| *p = Point::from(by.apply(p.coords.into())));
+    mesh.points.iter_mut().for_each(|p| *p = moved_place(*p, by));
     mesh
 }
 

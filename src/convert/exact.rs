@@ -11,7 +11,7 @@ use super::exact_distances::Distances;
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
 use super::{EdgeChoice, Options, TargetShape, exact_choice};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::mesh::{Choice, Components, Mesh};
 use crate::noise::Terraces;
 use crate::primitives::{Primitive, PrimitiveKind};
@@ -334,11 +334,7 @@ fn body(
     let vertices = scan.vertices_of(&mesh.points);
     let mut mesh = mesh.scaled(mm);
     if options.align {
-        let Some(by) = placement.or_else(|| align::placement(&datums(&regions, &mesh, mm), &mesh))
-        else {
-            return Err(Error::Unaligned("it has no plane and no axis".into()));
-        };
-        *placement = Some(by);
+        let by = align::common(placement, &datums(&regions, &mesh, mm), &mesh)?;
         align_regions(&mut regions, &by, mm);
         mesh = align::moved_mesh(mesh, &by);
     }

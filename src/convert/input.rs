@@ -2,6 +2,7 @@
 
 use formats::scene::Placement;
 
+use super::align::moved_place;
 use super::estimate::{BodyEstimate, estimate};
 use super::exact::{self, ExactEstimate};
 use super::scanned;
@@ -208,7 +209,7 @@ impl Measured {
     #[must_use]
     pub fn placed(mut self, by: &Placement) -> Self {
         let points = self.mesh.points.iter_mut().chain(self.points.iter_mut().flatten());
-        points.for_each(|p| *p = Point::from(by.apply(p.coords.into())));
+        points.for_each(|p| *p = moved_place(*p, by));
         self
     }
 

@@ -11,8 +11,8 @@ use super::exact_distances::Distances;
 use super::input::{self, InputReport};
 use super::stage::{Observer, Stage};
 use super::{Options, TargetShape};
-use crate::error::{Error, Result};
-use crate::geometry::{NONE, Point};
+use crate::error::Result;
+use crate::geometry::NONE;
 use crate::mesh::{Choice, Components, Disk, Mesh};
 use crate::primitives::Primitive;
 use crate::stages::regions::{self, Regions, ScanNoise};
@@ -226,13 +226,10 @@ fn body(
     let mut made = in_mm(made, mm);
     let mut shown = Disk { mesh: disk.mesh.scaled(mm), ..disk };
     if options.align {
-        let Some(by) = placement.or_else(|| align::placement(&datums(&made), &made.mesh)) else {
-            return Err(Error::Unaligned("it has no plane and no axis".into()));
-        };
-        *placement = Some(by);
+        let by = align::common(placement, &datums(&made), &made.mesh)?;
         made.surfaces.iter_mut().for_each(|of| of.surface = align::moved(&of.surface, &by));
         made.mesh = align::moved_mesh(made.mesh, &by);
-        made.risers.iter_mut().for_each(|of| of.place = Point::from(by.apply(of.place.into())));
+        made.risers.iter_mut().for_each(|of| of.place = align::moved_place(of.place, &by));
         shown.mesh = align::moved_mesh(shown.mesh, &by);
     }
     watch(Stage::Mesh(&shown))?;

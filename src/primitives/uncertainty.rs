@@ -69,16 +69,17 @@ impl Uncertainty {
 
     /// The same if systematic errors of such a size may move places and radii, too.
     pub(crate) fn with_bias(self, bias: f64) -> Self {
-        let long = |of: Option<f64>| of.map(|x| x.hypot(bias));
-        let (radius, major) = (long(self.radius), long(self.major));
-        Uncertainty { place: self.place.hypot(bias), radius, major, ..self }
+        self.with_lengths(|x| x.hypot(bias))
     }
 
     /// The same in a unit of which the old one has so many.
     pub(crate) fn scaled(self, factor: f64) -> Self {
-        let long = |of: Option<f64>| of.map(|x| factor * x);
-        let (radius, major) = (long(self.radius), long(self.major));
-        Uncertainty { place: factor * self.place, radius, major, ..self }
+        self.with_lengths(|x| factor * x)
+    }
+
+    fn with_lengths(self, of: impl Fn(f64) -> f64) -> Self {
+        let (radius, major) = (self.radius.map(&of), self.major.map(&of));
+        Uncertainty { place: of(self.place), radius, major, ..self }
     }
 }
 

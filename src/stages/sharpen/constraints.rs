@@ -359,7 +359,7 @@ fn squared(fit: &FittedSurface, motion: &MotionRow) -> f64 {
 }
 
 impl Condition {
-    pub(super) fn is_touching(&self) -> bool {
+    fn is_touching(&self) -> bool {
         matches!(self.kind, ConditionKind::Touching(_))
     }
 

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Work;
+use super::borders::Border;
 use super::constraints::{Condition, ConditionKind, apart, direction};
 use super::surfaces::FittedSurface;
 use crate::geometry::{NONE, plane_axes};
@@ -27,16 +28,18 @@ const KNOWN: f64 = 0.1;
 impl Work<'_> {
     /// The conditions that the data allow.
     pub(super) fn conditions(&self, fits: &[FittedSurface]) -> Vec<Condition> {
-        let mut all = self.relations(fits);
-        all.extend(self.equal_radii(fits));
-        let touching = self.candidates().into_iter();
+        let borders = self.borders();
+        let beside = borders.iter().map(|border| border.pair).collect();
+        let mut all = self.relations(fits, &beside);
+        all.extend(self.equal_radii(fits, &beside));
+        let touching = self.candidates(borders).into_iter();
         all.extend(touching.filter(|one| self.allows(one, fits)));
         all
     }
 
-    /// Parallel and perpendicular directions, axes on one line, planes that are one, and equal radii. Each surface is compared with those
-    /// before it, the best known ones first.
-    pub(super) fn relations(&self, fits: &[FittedSurface]) -> Vec<Condition> {
+    /// Parallel and perpendicular directions, axes on one line, and planes that are one. Each surface is compared with those before it, the
+    /// best known ones first. Neighbours, which are given, cannot be one.
+    fn relations(&self, fits: &[FittedSurface], beside: &BTreeSet<[u32; 2]>) -> Vec<Condition> {
         let error = |r: usize| {
             let of = &fits[r].covariance;
             of[(0, 0)].max(of[(1, 1)])
@@ -47,7 +50,6 @@ impl Work<'_> {
         let mut order: Vec<usize> = (0..fits.len()).filter(is_known).collect();
         order.sort_by(|&i, &j| error(i).total_cmp(&error(j)).then(i.cmp(&j)));
         let length = LEVER * self.edge;
-        let beside: BTreeSet<[u32; 2]> = self.borders().iter().map(|border| border.pair).collect();
         let pair = |a: usize, b: usize| [a.min(b) as u32, a.max(b) as u32];
         let mut leaders: Vec<usize> = Vec::new();
         let mut lines: Vec<(usize, usize)> = Vec::new();
@@ -127,9 +129,9 @@ impl Work<'_> {
     }
 
     /// The pairs whose normals agree along their border.
-    pub(super) fn candidates(&self) -> Vec<Condition> {
+    fn candidates(&self, borders: Vec<Border>) -> Vec<Condition> {
         let mut along: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
-        for border in self.borders() {
+        for border in borders {
             if border.pair[1] != NONE {
                 along.entry(border.pair).or_default().extend(border.vertices);
             }
@@ -161,8 +163,7 @@ impl Work<'_> {
     }
 
     /// Equal radii. Each is compared with those before it, the best known ones first.
-    fn equal_radii(&self, fits: &[FittedSurface]) -> Vec<Condition> {
-        let beside: BTreeSet<[u32; 2]> = self.borders().iter().map(|border| border.pair).collect();
+    fn equal_radii(&self, fits: &[FittedSurface], beside: &BTreeSet<[u32; 2]>) -> Vec<Condition> {
         let error = |r: usize| fits[r].uncertainty.and_then(|of| of.radius);
         let is_known = |&(error, r): &(f64, usize)| {
             let radius = self.surface(r as u32).radius();
