@@ -54,7 +54,8 @@ pub fn sound(soup: &Soup, options: &Options, whole: bool) -> Result<bool, TestCa
         });
         converted.map(|made| (made, measured))
     };
-    let [one, two] = POOLS.each_ref().map(|pool| pool.install(run));
+    let [one, two] = POOLS.each_ref();
+    let (one, two) = rayon::join(|| one.install(run), || two.install(run));
     match (one, two) {
         (Ok((one, measured)), Ok((two, _))) => {
             let file = step(&one);

@@ -150,13 +150,14 @@ impl<'a> JacobianSamples<'a> {
         let candidates =
             us.flat_map(|a| vs.clone().zip(&rows).map(move |(b, rows)| ([a, b], rows)));
         let candidates = candidates.map(|(at, rows)| {
-            let functions = self.place(cell, at).map(|(_, functions)| *functions);
-            let slopes = slopes(rows, &functions[0]).map(|slope| slope / usual);
+            let [(_, along), _] = self.place(cell, at);
+            let slopes = slopes(rows, along).map(|slope| slope / usual);
             let spread = facing.dot(&slopes[0].cross(&slopes[1])) * usual;
-            JacobianSample { cell, functions, facing, slopes, spread }
+            (spread, at, slopes)
         });
-        let least = |a: JacobianSample, b: JacobianSample| if b.spread < a.spread { b } else { a };
-        candidates.reduce(least)
+        let (spread, at, slopes) = candidates.reduce(|a, b| if b.0 < a.0 { b } else { a })?;
+        let functions = self.place(cell, at).map(|(_, functions)| *functions);
+        Some(JacobianSample { cell, functions, facing, slopes, spread })
     }
 
     /// The parameters of a finer sample of a cell in u and in v, with the basis functions there.
