@@ -1,5 +1,7 @@
 //! What becomes of facets that no region holds.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::competition::Claims;
 use super::exact::{ExactFacets, MOST_TURN};
 use super::growth::Evidence;
@@ -50,7 +52,7 @@ impl Claims {
             let home = beside.into_iter().find(|&r| {
                 let region = &self.regions[r as usize];
                 let surface = region.surface();
-                (is_generous && facet.triangles.len() == 1
+                (facet.triangles.len() == 1
                     || evidence.is_as_flat(
                         evidence.sagitta(&surface, facet),
                         largest[r as usize],
@@ -155,7 +157,7 @@ impl Claims {
             surface.distance(s.at).0.abs() <= slack * evidence.bound() * s.error
         };
         // A face that is found may have wider facets where its border is complicated.
-        facet.corners.iter().all(on)
-            && evidence.turns_at_most(MOST_TURN, &surface, growth.side, facet)
+        let most = if facet.triangles.len() == 1 { FRAC_PI_2 } else { MOST_TURN };
+        facet.corners.iter().all(on) && evidence.turns_at_most(most, &surface, growth.side, facet)
     }
 }

@@ -77,11 +77,12 @@ impl Chart {
         }
     }
 
-    /// The distance in mm of a point of the surface from the line on which one parameter is `seam`.
+    /// The distance in mm from the line on which one parameter is `seam` to the point of the surface that is nearest to `p`.
     pub fn off_seam(&self, p: Point, k: usize, seam: f64) -> f64 {
-        let mut uv = self.parameters(p).0;
+        let foot = self.parameters(p).0;
+        let mut uv = foot;
         uv[k] = seam;
-        (self.point(uv) - p).norm()
+        (self.point(uv) - self.point(foot)).norm()
     }
 
     pub fn point(&self, [u, v]: [f64; 2]) -> Point {

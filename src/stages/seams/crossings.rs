@@ -16,7 +16,8 @@ use super::{EXACT, Work};
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::mesh::Mesh;
 
-/// A crossing this close to a common vertex is the vertex, in mm.
+/// A crossing this close to a common vertex is the vertex, in mm. Kernels give a vertex a larger radius if its edges are farther from
+/// their faces.
 const AT_VERTEX: f64 = 1.1 * EXACT;
 
 /// Edges that cross beside a vertex are so close to each other up to there, in mm: kernels allow a fifth of a nanometre.
@@ -35,7 +36,7 @@ const AT_END: f64 = 1e-9;
 /// Two pcurves that are compared at more pairs of pieces run along each other. Those that cross need a few hundred.
 const MOST_PAIRS: usize = 20_000;
 
-/// The parts of a piece whose directions are compared.
+/// The parts of a piece whose directions are compared, and those of an edge whose distances from its faces are.
 const SAMPLES: usize = 4;
 
 /// One use of an edge.
@@ -62,12 +63,13 @@ pub(super) fn crossings(
     patch_of: &[usize],
 ) -> Vec<SeamFault> {
     let mut faults = Vec::new();
+    let radii = radii(brep);
     for (i, face) in brep.faces.iter().enumerate() {
         let vertices = |crossing: &Crossing| -> Vec<u32> {
             let chains = crossing.edges.iter().filter_map(|&edge| network.chains.get(edge));
             chains.flat_map(|chain| beside(work.mesh, chain, crossing.at)).collect()
         };
-        for crossing in crossed(brep, face) {
+        for crossing in crossed(brep, face, &radii) {
             let why = "a border that crosses itself";
             let chains = crossing.edges.iter().filter_map(|&edge| network.chains.get(edge));
             let sides = chains.flat_map(|chain| [chain.left, chain.right]);
@@ -93,8 +95,35 @@ pub(super) fn beside(mesh: &Mesh, chain: &Chain, at: Point) -> Vec<u32> {
     edges.min_by(|a, b| off(a).total_cmp(&off(b))).map(<[u32]>::to_vec).unwrap_or_default()
 }
 
-/// The pairs of edges of a face that cross.
-fn crossed(brep: &Brep, face: &Face) -> Vec<Crossing> {
+/// The radius of each vertex in mm: how far it and its edges are from their faces.
+fn radii(brep: &Brep) -> Vec<f64> {
+    let mut radii = vec![AT_VERTEX; brep.vertices.len()];
+    for face in &brep.faces {
+        let surface = &brep.surfaces[face.surface.0];
+        for of in face.loops.iter().flatten() {
+            let edge = &brep.edges[of.edge.0];
+            let [start, end] = edge.curve.range().into();
+            let apart = |p: [f64; 3], q: [f64; 3]| (Point::from(p) - Point::from(q)).norm();
+            let off = |k: usize| {
+                let t = start + (end - start) * k as f64 / SAMPLES as f64;
+                let [u, v] = of.pcurve.point(t);
+                let (foot, at) = (surface.point(u, v), edge.curve.point(t));
+                let vertex = match k {
+                    0 => brep.vertices[edge.ends[0].0],
+                    SAMPLES => brep.vertices[edge.ends[1].0],
+                    _ => at,
+                };
+                apart(foot, at).max(apart(vertex, at)).max(apart(vertex, foot))
+            };
+            let off = (0..=SAMPLES).map(off).fold(0.0, f64::max);
+            edge.ends.iter().for_each(|end| radii[end.0] = radii[end.0].max(off));
+        }
+    }
+    radii
+}
+
+/// The pairs of edges of a face that cross. `radii` are those of the vertices.
+fn crossed(brep: &Brep, face: &Face, radii: &[f64]) -> Vec<Crossing> {
     let uses = face.loops.iter().flatten();
     let mut sides: Vec<UsedEdge> =
         uses.map(|of| UsedEdge::new(of.edge.0, &brep.edges[of.edge.0], &of.pcurve)).collect();
@@ -106,7 +135,7 @@ fn crossed(brep: &Brep, face: &Face) -> Vec<Crossing> {
             if a.number == b.number {
                 continue;
             }
-            if let Some(at) = a.crossing(b, brep) {
+            if let Some(at) = a.crossing(b, brep, radii) {
                 found.push(Crossing { edges: [a.number, b.number], at });
             }
         }
@@ -154,8 +183,8 @@ impl<'a> UsedEdge<'a> {
     }
 
     /// A place where two edges cross and must not.
-    fn crossing(&self, other: &UsedEdge, brep: &Brep) -> Option<Point> {
-        let common: Vec<Common> = self.common(other, brep);
+    fn crossing(&self, other: &UsedEdge, brep: &Brep, radii: &[f64]) -> Option<Point> {
+        let common: Vec<Common> = self.common(other, brep, radii);
         let mut left: Vec<(CurvePiece, CurvePiece)> = Vec::new();
         for a in &self.pieces {
             let near = other.pieces.iter().filter(|b| are_near(a, b));
@@ -229,14 +258,14 @@ impl<'a> UsedEdge<'a> {
     }
 
     /// The vertices that two edges have in common, for each of their ends there.
-    fn common(&self, other: &UsedEdge, brep: &Brep) -> Vec<Common> {
+    fn common(&self, other: &UsedEdge, brep: &Brep, radii: &[f64]) -> Vec<Common> {
         let mut found = Vec::new();
         for (k, vertex) in self.edge.ends.iter().enumerate() {
             for (j, _) in other.edge.ends.iter().enumerate().filter(|end| end.1 == vertex) {
                 let of = |curve: &BrepCurve, k: usize| <[f64; 2]>::from(curve.range())[k];
                 let at = Point::from(brep.vertices[vertex.0]);
                 let parameters = [of(&self.edge.curve, k), of(&other.edge.curve, j)];
-                found.push(Common { at, parameters });
+                found.push(Common { at, radius: radii[vertex.0], parameters });
             }
         }
         found
@@ -246,6 +275,7 @@ impl<'a> UsedEdge<'a> {
 /// A vertex of two edges, and their parameters there.
 struct Common {
     at: Point,
+    radius: f64,
     parameters: [f64; 2],
 }
 
@@ -259,7 +289,7 @@ impl Common {
         let is_sampled = [a, b].iter().any(|side| matches!(side.pcurve, PCurve::Spline(_)));
         let together = if is_sampled { SAMPLED } else { TOGETHER };
         let [a, b] = [(a, 0), (b, 1)].map(|(side, k)| side.samples(self.parameters[k], far(k)));
-        if a.iter().chain(&b).all(|p| (p - self.at).norm() <= AT_VERTEX) {
+        if a.iter().chain(&b).all(|p| (p - self.at).norm() <= self.radius) {
             return true;
         }
         let is_straight =
@@ -306,7 +336,10 @@ mod tests {
     #[test]
     fn loops_pass_each_vertex_once() {
         let (brep, face) = polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
-        assert!(passed_twice(&brep, &face).is_empty() && crossed(&brep, &face).is_empty());
+        assert!(
+            passed_twice(&brep, &face).is_empty()
+                && crossed(&brep, &face, &radii(&brep)).is_empty()
+        );
         let bow = [[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0]];
         let (brep, face) = polygon(&bow);
         let found = passed_twice(&brep, &face);
@@ -318,7 +351,7 @@ mod tests {
     fn a_vertex_on_another_edge_is_a_crossing() {
         let (brep, face) =
             polygon(&[[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 0.0], [1.0, 2.0], [0.0, 2.0]]);
-        assert!(!crossed(&brep, &face).is_empty());
+        assert!(!crossed(&brep, &face, &radii(&brep)).is_empty());
     }
 
     #[test]
