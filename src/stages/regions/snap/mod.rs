@@ -1,4 +1,5 @@
-//! Snapping: surfaces are moved to simple places as long as every vertex stays within the rounding of the file.
+//! Snapping: surfaces are moved to simple places as long as every vertex stays within the rounding of the file. Where edges of the model
+//! are off a surface by more than that, its vertices stay as near to it as they were.
 //!
 //! Nothing that the file says is changed: a surface before and after a snap explain the same numbers. The order is
 //! directions, axes and values of single surfaces, then all tangencies at once.
@@ -61,6 +62,8 @@ struct Snapping {
     samples: Vec<FitSample>,
     /// The typical error of a vertex.
     error: f64,
+    /// How many times the bound the farthest vertex is off. Edges of the model may be off its surfaces by more than the rounding.
+    looseness: f64,
     /// How exactly the direction is known (rad).
     direction_error: f64,
 }
@@ -69,7 +72,10 @@ impl Snapping {
     fn new(mesh: &Tessellation, regions: &Regions, number: usize) -> Self {
         let region = &regions.regions[number];
         let sample = |&v: &u32| FitSample { at: mesh.point(v), error: mesh.error(v) };
-        let samples: Vec<FitSample> = region.vertices.iter().map(sample).collect();
+        let mut samples: Vec<FitSample> = region.vertices.iter().map(sample).collect();
+        let errors_off = |s: &FitSample| region.surface.distance(s.at).0.abs() / s.error;
+        let looseness = samples.iter().map(errors_off).fold(MOST_ERRORS, f64::max) / MOST_ERRORS;
+        samples.iter_mut().for_each(|s| s.error *= looseness);
         let mut errors: Vec<f64> = samples.iter().map(|s| s.error).collect();
         errors.sort_unstable_by(f64::total_cmp);
         let turns = match region.surface.kind() {
@@ -80,7 +86,8 @@ impl Snapping {
             region: number as u32,
             surface: region.surface,
             error: errors.get(errors.len() / 2).copied().unwrap_or(0.0),
-            direction_error: turns,
+            looseness,
+            direction_error: turns * looseness,
             samples,
         }
     }

@@ -116,8 +116,8 @@ mod tests {
         let around = (0..12).map(|k| Uv::new(0.5 * f64::from(k), f64::from(k % 2)));
         let sample = |uv| FitSample { at: surface.point_at(uv), error: 2e-3 };
         let samples: Vec<FitSample> = around.map(sample).collect();
-        let (error, direction_error) = (2e-3, 2e-4);
-        let mut all = [Snapping { region: 0, surface, samples, error, direction_error }];
+        let (error, looseness, direction_error) = (2e-3, 1.0, 2e-4);
+        let mut all = [Snapping { region: 0, surface, samples, error, looseness, direction_error }];
         assert_eq!(round(0.2, (20.0 * direction_error).to_degrees(), 1.0), Some(0.0));
         snap(&mut all, 1.0, &mut Vec::new());
         let Primitive::Cone { angle, .. } = all[0].surface else { panic!("no cone") };

@@ -92,6 +92,7 @@ fn touch(
     let side = |i: usize| regions.regions[all[i].region as usize].side;
     let radius = all[ball].surface.radius()?;
     let error = border.iter().map(|&(.., v)| mesh.error(v)).fold(0.0, f64::max);
+    let error = error * all[a].looseness.max(all[b].looseness);
     // An error of the parameters of a few roundings turns the normals at the junction by √(2 error / radius).
     let gate = (2.0 * (8.0 * MOST_ERRORS * error / radius).sqrt()).max(LEAST_TURN);
     let is_smooth = border.iter().all(|&(.., v)| {
