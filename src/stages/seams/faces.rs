@@ -1,6 +1,7 @@
 //! Faces: their loops with pcurves, and the seams of those that go around.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use formats::brep::{Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId};
 use formats::spline::SplineCurve;
@@ -363,13 +364,17 @@ impl FaceBuilder<'_> {
         }
         let mut all = seams.vertices[line].clone();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all.dedup_by(|a, b| seams.perimeter.is_same(a.0, b.0, line));
         all.retain(|of| {
             of.0 > stretch.range[0] || seams.perimeter.is_same(of.0, stretch.range[0], line)
         });
         all.retain(|of| {
             of.0 < stretch.range[1] || seams.perimeter.is_same(of.0, stretch.range[1], line)
         });
+        // Two loops that pass a vertex may differ in its parameter, but not by half a turn.
+        let is_one = |a: &(f64, VertexId), b: &(f64, VertexId)| {
+            seams.perimeter.is_same(a.0, b.0, line) || a.1 == b.1 && (a.0 - b.0).abs() < PI
+        };
+        all.dedup_by(|a, b| is_one(a, b));
         all
     }
 

@@ -16,7 +16,7 @@ use crate::primitives::Primitive;
 /// A corner is on its face within so many errors: κ = 2 for free fits, and a quarter more for snapped ones.
 const ON_FACE: f64 = 2.5;
 
-/// Loose edges of the model put corners off their faces by up to this share of the part's diagonal, as measured on parts
+/// Loose edges of the model put corners off their faces by errors of up to this share of the part's diagonal, as measured on parts
 /// of several systems.
 const LOOSE: f64 = 2e-5;
 
@@ -42,7 +42,7 @@ impl Work<'_> {
     /// Finds the corners that are not on their faces. Others may be off by loose edges of the model, and then
     /// their errors are larger than the rounding.
     pub(super) fn loosen(&mut self) -> Vec<SeamFault> {
-        let most = LOOSE * self.mesh.diagonal();
+        let most = ON_FACE * LOOSE * self.mesh.diagonal();
         let mut loose: f64 = 0.0;
         let mut faults = Vec::new();
         for (i, patch) in self.patches.iter().enumerate().filter(|(_, patch)| !patch.is_facet) {
