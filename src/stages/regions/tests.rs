@@ -121,6 +121,69 @@ fn a_torus_is_one_region_and_not_its_rings() {
     assert_eq!(kinds(&found, PrimitiveKind::Torus), 1);
 }
 
+/// Meshers cut tori askew where their border is complicated: corners on the surface, but triangles that turn far from it.
+#[test]
+fn triangles_that_are_cut_askew_belong_to_the_surface_of_their_corners() {
+    let (around, across) = (40, 20);
+    let mut mesh = torus(10.0, 3.0, around, across);
+    let v = |i: usize, j: usize| VertexId::from(i % around * across + j % across);
+    // Two fans over a column of three quadrangles, which turn by 54 degrees.
+    let column = 5..8;
+    let is_in = |t: &[VertexId; 3]| {
+        let place = t.map(|v| (v.index() / across, v.index() % across));
+        place.iter().all(|&(i, j)| (7..=8).contains(&i) && (column.start..=column.end).contains(&j))
+    };
+    mesh.triangles.retain(|t| !is_in(t));
+    for j in column.clone() {
+        mesh.triangles.push([v(8, column.start), v(7, j + 1), v(7, j)]);
+        mesh.triangles.push([v(7, column.end), v(8, j), v(8, j + 1)]);
+    }
+    let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    assert_eq!(found.regions.len(), 1);
+}
+
+/// The edges of a fillet are off it, as modelling kernels allow.
+#[test]
+fn a_loose_fillet_touches_the_planes_beside_it() {
+    let bumps = [0.0, 5e-4, -5e-4, 4e-4, 5e-4, -5e-4, -3e-4, 5e-4, 0.0];
+    let mut mesh = Mesh::default();
+    for z in [0.0, 30.0] {
+        mesh.points.push(Point::new(0.0, 0.0, z));
+        mesh.points.push(Point::new(40.0, 0.0, z));
+        for (k, bump) in bumps.iter().enumerate() {
+            let (sin, cos) = (0.25 * TAU * k as f64 / (bumps.len() - 1) as f64).sin_cos();
+            let r = 5.0 + if z > 0.0 { *bump } else { bumps[bumps.len() - 1 - k] };
+            mesh.points.push(Point::new(35.0 + r * cos, 25.0 + r * sin, z));
+        }
+        mesh.points.push(Point::new(0.0, 30.0, z));
+    }
+    let n = bumps.len() + 3;
+    let v = |level: usize, k: usize| VertexId::from(level * n + k % n);
+    for k in 0..n {
+        mesh.triangles.push([v(0, k), v(0, k + 1), v(1, k + 1)]);
+        mesh.triangles.push([v(0, k), v(1, k + 1), v(1, k)]);
+    }
+    for k in 1..n - 1 {
+        mesh.triangles.push([v(0, 0), v(0, k + 1), v(0, k)]);
+        mesh.triangles.push([v(1, 0), v(1, k), v(1, k + 1)]);
+    }
+    let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    let curved: Vec<_> =
+        found.regions.iter().filter(|r| r.origin == RegionOrigin::Curved).collect();
+    let [Primitive::Cylinder { origin, axis, radius }] =
+        curved.iter().map(|r| r.surface).collect::<Vec<_>>()[..]
+    else {
+        panic!("{curved:?}")
+    };
+    assert!((radius - 5.0).abs() < 1e-3, "{radius}");
+    assert!(axis.z.abs() > 1.0 - 1e-12, "{axis}");
+    // The planes beside it are x = 40 and y = 30.
+    assert!((origin.x + radius - 40.0).abs() < 1e-7, "{origin} {radius}");
+    assert!((origin.y + radius - 30.0).abs() < 1e-7, "{origin} {radius}");
+}
+
 #[test]
 fn a_rough_surface_is_no_clean_mesh_and_has_no_curved_face() {
     let mut mesh = torus(10.0, 3.0, 40, 20);

@@ -127,6 +127,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_distance_from_a_seam_is_one_along_the_surface() {
+        let (centre, axis) = (Point::origin(), Vector::z());
+        let torus = Primitive::Torus { centre, axis, major: 10.0, minor: 2.0 };
+        let chart = Chart::new(&torus, axis).expect("a frame");
+        for (off, along) in [(0.0, 0.0), (1e-3, 0.0), (1e-3, 0.02)] {
+            let foot = chart.point([along, 0.7]);
+            let p = foot + off * torus.normal(foot);
+            let most = Primitive::distance(&torus, foot).0.abs() + along * 12.0;
+            let found = chart.off_seam(p, 0, 0.0);
+            assert!(
+                (found == 0.0 || along > 0.0) && found <= most + 1e-12,
+                "{off} {along}: {found}"
+            );
+        }
+    }
+
+    #[test]
     fn a_turned_cone_is_the_same_surface_whatever_place_of_its_axis_is_its_origin() {
         let (axis, angle) = (Vector::new(0.6, 0.0, 0.8), 0.4);
         for radius in [-3.0, 0.0, 2.0] {

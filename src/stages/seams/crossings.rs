@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use formats::Brep;
-use formats::brep::{BrepCurve, Edge, Face, PCurve};
+use formats::brep::{BrepCurve, BrepSurface, Edge, Face, PCurve};
 
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
@@ -95,11 +95,12 @@ pub(super) fn beside(mesh: &Mesh, chain: &Chain, at: Point) -> Vec<u32> {
     edges.min_by(|a, b| off(a).total_cmp(&off(b))).map(<[u32]>::to_vec).unwrap_or_default()
 }
 
-/// The radius of each vertex in mm: how far it and its edges are from their faces.
+/// The radius of each vertex in mm: how far it and its edges are from their faces. Kernels do not look how far an edge is off a plane.
 fn radii(brep: &Brep) -> Vec<f64> {
     let mut radii = vec![AT_VERTEX; brep.vertices.len()];
     for face in &brep.faces {
         let surface = &brep.surfaces[face.surface.0];
+        let is_plane = matches!(surface, BrepSurface::Plane { .. });
         for of in face.loops.iter().flatten() {
             let edge = &brep.edges[of.edge.0];
             let [start, end] = edge.curve.range().into();
@@ -113,7 +114,8 @@ fn radii(brep: &Brep) -> Vec<f64> {
                     SAMPLES => brep.vertices[edge.ends[1].0],
                     _ => at,
                 };
-                apart(foot, at).max(apart(vertex, at)).max(apart(vertex, foot))
+                let off = apart(vertex, at);
+                if is_plane { off } else { off.max(apart(foot, at)).max(apart(vertex, foot)) }
             };
             let off = (0..=SAMPLES).map(off).fold(0.0, f64::max);
             edge.ends.iter().for_each(|end| radii[end.0] = radii[end.0].max(off));
@@ -345,6 +347,17 @@ mod tests {
         let found = passed_twice(&brep, &face);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].at, Point::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_vertex_is_as_large_as_its_edges_are_off() {
+        let (mut brep, face) = polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+        brep.add_face(face);
+        brep.vertices[1][2] += 1e-6;
+        let found = radii(&brep);
+        assert!((found[1] - 1e-6).abs() < 1e-12, "{found:?}");
+        // Both edges of a vertex hold it, so those beside it are as large.
+        assert_eq!(found[3], AT_VERTEX);
     }
 
     #[test]
