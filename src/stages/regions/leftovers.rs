@@ -157,6 +157,7 @@ impl Claims {
             surface.distance(s.at).0.abs() <= slack * evidence.bound() * s.error
         };
         // A face that is found may have wider facets where its border is complicated.
+        // Meshers cut single triangles askew, but not so far that they face the other way.
         let most = if facet.triangles.len() == 1 { FRAC_PI_2 } else { MOST_TURN };
         facet.corners.iter().all(on) && evidence.turns_at_most(most, &surface, growth.side, facet)
     }

@@ -18,6 +18,13 @@ fn prism(n: usize, radius: f64, height: f64) -> Mesh {
             mesh.points.push(Point::new(radius * angle.cos(), radius * angle.sin(), z));
         }
     }
+    close_prism(&mut mesh);
+    mesh
+}
+
+/// The triangles of a prism whose points are those of its floor and of its ceiling. The first corner of each sees it as a whole.
+fn close_prism(mesh: &mut Mesh) {
+    let n = mesh.points.len() / 2;
     let v = |level: usize, k: usize| VertexId::from(level * n + k % n);
     for k in 0..n {
         mesh.triangles.push([v(0, k), v(0, k + 1), v(1, k + 1)]);
@@ -27,7 +34,6 @@ fn prism(n: usize, radius: f64, height: f64) -> Mesh {
         mesh.triangles.push([v(0, 0), v(0, k + 1), v(0, k)]);
         mesh.triangles.push([v(1, 0), v(1, k), v(1, k + 1)]);
     }
-    mesh
 }
 
 /// A closed surface of rings: the torus of a number of steps around each circle.
@@ -158,16 +164,7 @@ fn a_loose_fillet_touches_the_planes_beside_it() {
         }
         mesh.points.push(Point::new(0.0, 30.0, z));
     }
-    let n = bumps.len() + 3;
-    let v = |level: usize, k: usize| VertexId::from(level * n + k % n);
-    for k in 0..n {
-        mesh.triangles.push([v(0, k), v(0, k + 1), v(1, k + 1)]);
-        mesh.triangles.push([v(0, k), v(1, k + 1), v(1, k)]);
-    }
-    for k in 1..n - 1 {
-        mesh.triangles.push([v(0, 0), v(0, k + 1), v(0, k)]);
-        mesh.triangles.push([v(1, 0), v(1, k), v(1, k + 1)]);
-    }
+    close_prism(&mut mesh);
     let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
     let found = regions(&mesh, &errors);
     let curved: Vec<_> =

@@ -371,10 +371,9 @@ impl FaceBuilder<'_> {
             of.0 < stretch.range[1] || seams.perimeter.is_same(of.0, stretch.range[1], line)
         });
         // Two loops that pass a vertex may differ in its parameter, but not by half a turn.
-        let is_one = |a: &(f64, VertexId), b: &(f64, VertexId)| {
+        all.dedup_by(|a, b| {
             seams.perimeter.is_same(a.0, b.0, line) || a.1 == b.1 && (a.0 - b.0).abs() < PI
-        };
-        all.dedup_by(|a, b| is_one(a, b));
+        });
         all
     }
 
