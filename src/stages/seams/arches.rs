@@ -269,15 +269,24 @@ impl Work<'_> {
             return match sides.into_iter().find(|&i| self.holds_edges(i)) {
                 Some(i) => {
                     let only = &self.patches[i].surface;
-                    Pair { a: only, b: only, kind: SeamKind::Follows }
+                    Pair {
+                        a: only,
+                        b: only,
+                        kind: SeamKind::Follows,
+                        most_sagitta: self.most_sagitta,
+                    }
                 }
-                None => Pair { a, b, kind: SeamKind::Loose },
+                None => Pair { a, b, kind: SeamKind::Loose, most_sagitta: self.most_sagitta },
             };
         }
         match (&chain.upright, self.is_bent(chain.left)) {
-            (None, _) => Pair { a, b, kind },
-            (Some(plane), true) => Pair { a: b, b: plane, kind: SeamKind::Crosses },
-            (Some(plane), false) => Pair { a, b: plane, kind: SeamKind::Crosses },
+            (None, _) => Pair { a, b, kind, most_sagitta: None },
+            (Some(plane), true) => {
+                Pair { a: b, b: plane, kind: SeamKind::Crosses, most_sagitta: None }
+            }
+            (Some(plane), false) => {
+                Pair { a, b: plane, kind: SeamKind::Crosses, most_sagitta: None }
+            }
         }
     }
 
@@ -289,7 +298,7 @@ impl Work<'_> {
         let b = held.next().unwrap_or(a);
         let [a, b] = [a, b].map(|i| &self.patches[i].surface);
         let kind = if chain.touches { SeamKind::Touches } else { SeamKind::Crosses };
-        Some(Pair { a, b, kind })
+        Some(Pair { a, b, kind, most_sagitta: None })
     }
 
     /// Gives the chains between facets and curved faces their arches.

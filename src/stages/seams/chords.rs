@@ -3,7 +3,12 @@
 //! A surface that turns by an angle from one triangle to the next, across triangles of some width, leaves them by an eighth of the angle times the
 //! width. This is all that the mesh tells of the surface between its vertices.
 
-use super::Work;
+use super::{FreeForms, Work};
+use crate::geometry::Point;
+use crate::primitives::PrimitiveKind;
+
+/// Facets of one face differ by less than this factor in their chord errors, as meshers halve their steps.
+const STEPS_OF_A_FACE: f64 = 2.25;
 
 /// How far a patch is from a smooth surface.
 pub(super) struct ChordError {
@@ -32,6 +37,52 @@ impl Work<'_> {
             }
         }
         found
+    }
+
+    /// The largest chord error that the mesher of a clean mesh may have allowed itself, from the curved faces that are known.
+    pub(super) fn most_sagitta(&self) -> Option<f64> {
+        let is_clean = matches!(self.free_forms, FreeForms::Through { .. });
+        let curved = (0..self.patches.len())
+            .filter(|&i| self.patches[i].surface.kind() != PrimitiveKind::Plane);
+        let most = curved.map(|i| self.chord_error(i).most).fold(0.0, f64::max);
+        (is_clean && most > 0.0).then_some(STEPS_OF_A_FACE * most)
+    }
+
+    /// How far a smooth curve across a facet, from one of its sides on, leaves the facet. Of the turn at each of its smooth borders it takes one half.
+    pub(super) fn sagitta(&self, side: usize, facet: &[u32], smooth: f64) -> f64 {
+        let (from, to) = self.mesh.side(side);
+        let from = self.mesh.point(from);
+        let along = (self.mesh.point(to) - from).normalize();
+        let off = |p: Point| (p - from).cross(&along).norm();
+        let sides = facet.iter().flat_map(|&t| 3 * t as usize..3 * t as usize + 3);
+        let border = sides.filter_map(|side| {
+            let twin =
+                self.edges.across(side).filter(|twin| !facet.contains(&((twin / 3) as u32)))?;
+            let (a, b) = self.mesh.side(side);
+            let middle = nalgebra::center(&self.mesh.point(a), &self.mesh.point(b));
+            (self.dihedral(side, twin) <= smooth).then(|| (off(middle), self.half_turn(side, twin)))
+        });
+        let corners = facet.iter().flat_map(|&t| self.mesh.triangles[t as usize]);
+        let width = corners.map(|v| off(self.mesh.point(v))).fold(0.0, f64::max);
+        let own = self.edges.across(side).map_or(0.0, |twin| self.half_turn(side, twin));
+        // A border in the half beside the side is another part of it.
+        let other = border.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|other| other.0 > 0.5 * width);
+        let other = other.map_or(own, |other| other.1);
+        let rise = |k: i32| {
+            let t = f64::from(k) / 8.0;
+            t * (1.0 - t) * (own * (1.0 - t) + other * t)
+        };
+        width * (1..8).map(|k| rise(k).abs()).fold(0.0, f64::max)
+    }
+
+    /// Half of the angle between the triangles of two sides, negative where they make a groove.
+    fn half_turn(&self, side: usize, twin: usize) -> f64 {
+        let corner = self.mesh.point(self.mesh.triangles[twin / 3][(twin + 2) % 3]);
+        let normal = self.mesh.area_vector(self.mesh.triangles[side / 3]);
+        let (on, _) = self.mesh.side(side);
+        let is_groove = normal.dot(&(corner - self.mesh.point(on))) > 0.0;
+        let half = 0.5 * self.dihedral(side, twin);
+        if is_groove { -half } else { half }
     }
 
     /// The angle between the triangles of two sides.

@@ -56,6 +56,8 @@ pub(super) struct Pair<'a> {
     pub a: &'a Primitive,
     pub b: &'a Primitive,
     pub kind: SeamKind,
+    /// The largest distance of a led curve from the chords of its points, if that is known.
+    pub most_sagitta: Option<f64>,
 }
 
 impl Pair<'_> {
@@ -153,9 +155,9 @@ impl Pair<'_> {
                 return Ok((chord, worst));
             }
             if self.kind == SeamKind::Follows && self.a.kind() != PrimitiveKind::Plane {
-                return followed(self.a, points, chain.tangents);
+                return followed(self.a, points, chain.tangents, self.most_sagitta);
             }
-            let curve = led_curve(points, chain.tangents)?;
+            let curve = led_curve(points, chain.tangents, self.most_sagitta)?;
             return Ok((BrepCurve::Spline(curve), off));
         }
         if let Some(curve) = elementary(points, chain.is_closed(), off)

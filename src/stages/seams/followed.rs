@@ -83,13 +83,13 @@ impl LedPiece {
 /// The parameters of points, which are lengths along their chords, the places and the derivatives there.
 type LedSlopes = (Vec<f64>, Vec<[f64; 3]>, Vec<Vector>);
 
-fn led_by(points: &[Point], tangents: [Option<Vector>; 2]) -> LedSlopes {
+fn led_by(points: &[Point], tangents: [Option<Vector>; 2], most_sagitta: Option<f64>) -> LedSlopes {
     let mut t = vec![0.0];
     for pair in points.windows(2) {
         t.push(t[t.len() - 1] + (pair[1] - pair[0]).norm());
     }
     let places: Vec<[f64; 3]> = points.iter().map(|&p| array(p)).collect();
-    let mut slopes: Vec<Vector> = slopes(&t, &places).into_iter().map(Vector::from).collect();
+    let mut slopes = led_slopes(&t, &places, most_sagitta);
     let last = slopes.len() - 1;
     for (at, tangent) in [0, last].into_iter().zip(tangents) {
         slopes[at] = tangent.unwrap_or(slopes[at]);
@@ -97,12 +97,77 @@ fn led_by(points: &[Point], tangents: [Option<Vector>; 2]) -> LedSlopes {
     (t, places, slopes)
 }
 
+/// The slopes of the curve through points at given parameters.
+fn led_slopes(t: &[f64], places: &[[f64; 3]], most_sagitta: Option<f64>) -> Vec<Vector> {
+    let mut slopes: Vec<Vector> = slopes(t, places).into_iter().map(Vector::from).collect();
+    let points: Vec<Point> = places.iter().map(|&p| Point::from(p)).collect();
+    let rises = |most: f64| {
+        (0..t.len() - 1).any(|k| {
+            let chord = points[k + 1] - points[k];
+            let third = (t[k + 1] - t[k]) / 3.0;
+            let poles = [points[k] + third * slopes[k], points[k + 1] - third * slopes[k + 1]];
+            // A cubic curve rises by three quarters of what its inner control points do at most.
+            let rise = |p: &Point| nearest_on(points[k], chord, *p);
+            0.75 * poles.iter().map(rise).fold(0.0, f64::max) > most
+        })
+    };
+    if let Some(most) = most_sagitta.filter(|&most| rises(most)) {
+        limit_sagittas(&points, &mut slopes, most);
+    }
+    slopes
+}
+
+/// How far a point is off a segment.
+fn nearest_on(from: Point, chord: Vector, p: Point) -> f64 {
+    let share = (p - from).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE);
+    (p - from - share.clamp(0.0, 1.0) * chord).norm()
+}
+
+/// The curve through points at given parameters.
+pub(super) fn led_at(
+    t: &[f64],
+    points: &[Point],
+    most_sagitta: Option<f64>,
+) -> Result<SplineCurve<3>, String> {
+    let places: Vec<[f64; 3]> = points.iter().map(|&p| array(p)).collect();
+    let slopes: Vec<[f64; 3]> =
+        led_slopes(t, &places, most_sagitta).into_iter().map(vector).collect();
+    with_slopes(t, &places, &slopes)
+}
+
+/// Makes unit vectors of slopes at points, and turns them towards the chords that they leave too steeply: an arc rises over its chord by a quarter of
+/// its length times the angle at its ends. A curve with a continuous second derivative bulges over the long ones among chords of very uneven lengths,
+/// where the mesher found the model flat.
+fn limit_sagittas(points: &[Point], slopes: &mut [Vector], most: f64) {
+    for (k, slope) in slopes.iter_mut().enumerate() {
+        let before = k.checked_sub(1).map(|j| points[k] - points[j]);
+        let after = points.get(k + 1).map(|next| next - points[k]);
+        let mut chords: Vec<Vector> = before.into_iter().chain(after).collect();
+        // The longest one has the last word.
+        chords.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        let bisector: Vector = chords.iter().map(|chord| chord.normalize()).sum();
+        *slope = if chords.len() == 2 { bisector } else { *slope };
+        for chord in chords {
+            let along = chord.normalize();
+            let most_angle = 4.0 * most / chord.norm();
+            let aside = *slope - slope.dot(&along) * along;
+            if slope.angle(&along) > most_angle
+                && let Some(aside) = aside.try_normalize(f64::MIN_POSITIVE)
+            {
+                *slope = most_angle.cos() * along + most_angle.sin() * aside;
+            }
+        }
+        *slope = slope.try_normalize(f64::MIN_POSITIVE).unwrap_or(*slope);
+    }
+}
+
 /// The cubic curve through points, with the given directions at its ends.
 pub(super) fn led_curve(
     points: &[Point],
     tangents: [Option<Vector>; 2],
+    most_sagitta: Option<f64>,
 ) -> Result<SplineCurve<3>, String> {
-    let (t, places, slopes) = led_by(points, tangents);
+    let (t, places, slopes) = led_by(points, tangents, most_sagitta);
     let slopes: Vec<[f64; 3]> = slopes.into_iter().map(vector).collect();
     with_slopes(&t, &places, &slopes)
 }
@@ -112,13 +177,14 @@ pub(super) fn followed(
     surface: &Primitive,
     points: &[Point],
     tangents: [Option<Vector>; 2],
+    most_sagitta: Option<f64>,
 ) -> Result<(BrepCurve, f64), String> {
     let station = |at: Point, along: Vector| {
         let normal = surface.normal(at);
         let along = (along - along.dot(&normal) * normal).try_normalize(f64::MIN_POSITIVE);
         along.map(|along| Station { at, along }).ok_or("a border across its face")
     };
-    let (_, _, slopes) = led_by(points, tangents);
+    let (_, _, slopes) = led_by(points, tangents, most_sagitta);
     let stations = points.iter().zip(slopes).map(|(&at, along)| station(at, along));
     let mut stations = stations.collect::<Result<Vec<Station>, &str>>()?;
     let off = |piece: &LedPiece, t: f64| surface.distance(piece.point(t)).0.abs();
@@ -191,7 +257,7 @@ mod tests {
                 on_torus(1.5 * s, 0.8 * (4.0 * s).sin())
             })
             .collect();
-        let (curve, worst) = followed(&TORUS, &points, [None; 2]).expect("a curve");
+        let (curve, worst) = followed(&TORUS, &points, [None; 2], None).expect("a curve");
         assert!(worst <= SPLINE, "{worst}");
         let (start, end) = curve.range();
         for k in 0..=1000 {

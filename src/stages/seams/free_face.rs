@@ -222,7 +222,10 @@ impl Work<'_> {
         chord: Option<&ChordError>,
     ) -> Result<f64, String> {
         let too_far = |off: f64| Err(format!("a free-form face is {off:.1e} mm off its triangles"));
-        let most = chord.map_or(MOST_OFF * self.edge, |of| MOST_CHORDS * of.most + self.limit);
+        let most_chord = self.most_sagitta.unwrap_or(f64::INFINITY);
+        let most = chord.map_or(MOST_OFF * self.edge, |of| {
+            (MOST_CHORDS * of.most).min(most_chord) + self.limit
+        });
         let (mut worst, mut turned, mut whole): (f64, f64, f64) = (0.0, 0.0, 0.0);
         for &t in &self.patches[i].triangles {
             let corners = self.mesh.triangles[t as usize];

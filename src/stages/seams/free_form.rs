@@ -92,6 +92,8 @@ impl Work<'_> {
         let (facets, exact): (Vec<_>, Vec<_>) =
             self.patches.drain(..).partition(|patch| patch.is_facet);
         self.patches = exact;
+        self.number();
+        self.most_sagitta = self.most_sagitta();
         self.patches.extend(self.hung_together(facets));
         for round in 0..ROUNDS {
             if !self.patches.iter().any(|patch| patch.free_form().is_some()) {
@@ -208,7 +210,12 @@ impl Work<'_> {
             vertices.map(off).fold(0.0, f64::max)
         };
         let [a, b] = facets.map(width);
-        self.dihedral(side, twin) <= turn && a.max(b) <= MOST_WIDER * a.min(b)
+        let is_usual = |most: f64| {
+            let (own, wide) = if a > b { (side, facets[0]) } else { (twin, facets[1]) };
+            self.sagitta(own, &wide.triangles, turn) <= most
+        };
+        self.dihedral(side, twin) <= turn
+            && (a.max(b) <= MOST_WIDER * a.min(b) || self.most_sagitta.is_some_and(is_usual))
     }
 
     /// The border and the corners of a free-form face, if its facets have one border.

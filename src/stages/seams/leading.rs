@@ -1,7 +1,6 @@
 //! The points that lead the border of a free-form face: as few vertices of the mesh as tell where it is.
 
-use super::chart::array;
-use super::hermite::through;
+use super::followed::led_at;
 use super::network::ChainNetwork;
 use super::{FreeForms, Work};
 use crate::geometry::{Point, Vector, faired};
@@ -31,7 +30,7 @@ impl Work<'_> {
             let points: Vec<Point> = points.into_iter().map(|p| pair.project(p)).collect();
             let most =
                 if is_noisy { PASSES * mean_step(&points) } else { self.limit_at(chain.error) };
-            let points = led(&points, most, |p| pair.normal(p));
+            let points = led(&points, most, self.most_sagitta, |p| pair.normal(p));
             if points.iter().any(|p| !p.coords.iter().all(|x| x.is_finite())) {
                 continue;
             }
@@ -77,7 +76,12 @@ fn mean_step(points: &[Point]) -> f64 {
 
 /// The points among those of a polygon through which a curve passes all of them within a length. What is along the normal of a surface does not
 /// count.
-fn led(points: &[Point], most: f64, normal: impl Fn(Point) -> Option<Vector>) -> Vec<Point> {
+fn led(
+    points: &[Point],
+    most: f64,
+    most_sagitta: Option<f64>,
+    normal: impl Fn(Point) -> Option<Vector>,
+) -> Vec<Point> {
     let n = points.len();
     let mut along = vec![0.0];
     for pair in points.windows(2) {
@@ -89,8 +93,8 @@ fn led(points: &[Point], most: f64, normal: impl Fn(Point) -> Option<Vector>) ->
     }
     loop {
         let t: Vec<f64> = kept.iter().map(|&k| along[k]).collect();
-        let places: Vec<[f64; 3]> = kept.iter().map(|&k| array(points[k])).collect();
-        let Ok(curve) = through(&t, &places, false) else { return points.to_vec() };
+        let some: Vec<Point> = kept.iter().map(|&k| points[k]).collect();
+        let Ok(curve) = led_at(&t, &some, most_sagitta) else { return points.to_vec() };
         let mut more = Vec::new();
         for piece in kept.windows(2) {
             let (from, to) = (along[piece[0]], along[piece[1]]);
@@ -145,7 +149,7 @@ mod tests {
     fn a_straight_border_needs_its_ends_only() {
         let at = |k: i32| Point::new(f64::from(k), 0.05 * f64::from(k % 2), 0.0);
         let points: Vec<Point> = (0..=20).map(at).collect();
-        assert_eq!(led(&points, 0.1, |_| None), [points[0], points[20]]);
+        assert_eq!(led(&points, 0.1, None, |_| None), [points[0], points[20]]);
     }
 
     #[test]
@@ -155,7 +159,7 @@ mod tests {
             Point::new(10.0 * s.cos(), 10.0 * s.sin(), 0.0)
         };
         let points: Vec<Point> = (0..=40).map(at).collect();
-        let few = led(&points, 0.01, |_| None);
+        let few = led(&points, 0.01, None, |_| None);
         assert!(few.len() < 12, "{}", few.len());
         assert!(points.iter().all(|&p| off_polygon(&few, p) < bend(&few) + 0.1));
     }

@@ -216,6 +216,8 @@ struct Work<'a> {
     free_forms: FreeForms,
     /// For each triangle whether it was lost by a curved surface.
     is_lost: Vec<bool>,
+    /// The largest distance of a curve of the model from its chord in a clean mesh, if it has curved faces that tell.
+    most_sagitta: Option<f64>,
 }
 
 /// Makes the solids. Lengths are in mm.
@@ -312,6 +314,7 @@ impl<'a> Work<'a> {
             walls: Vec::new(),
             free_forms,
             is_lost: vec![false; part.mesh.triangles.len()],
+            most_sagitta: None,
         };
         for patch in &part.patches {
             for set in work.joined(&patch.triangles).members() {
