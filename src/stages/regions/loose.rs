@@ -4,11 +4,20 @@ use super::competition::{Claims, JOINT_STEPS};
 use super::exact::ExactFacets;
 use super::growth::{Evidence, GrownRegion, refitted, worst};
 use super::search::{CURVED, near_axes};
-use crate::geometry::Point;
+use crate::geometry::{Point, range};
 use crate::primitives::{FitOptions, OrientedPoint, Primitive, with_axis};
 
 /// The facets of a region that are looked at for its axis.
 const SAMPLE: usize = 300;
+
+/// Whether a cone is a cylinder but for what loose edges put its vertices off.
+fn is_nearly_cylinder(evidence: &ExactFacets, region: &GrownRegion) -> bool {
+    let Primitive::Cone { origin, axis, angle, .. } = region.surface() else { return false };
+    let along = region.vertices.iter().map(|&v| (evidence.sample(v).at - origin).dot(&axis));
+    let [low, high] = range(along);
+    let error = region.vertices.iter().map(|&v| evidence.error(v)).fold(0.0, f64::max);
+    (high - low) * angle.tan() <= 2.0 * evidence.bound() * error
+}
 
 impl Claims {
     /// Joins loose regions with neighbours of any kind if one surface explains both as well as loose edges allow: cuts across
@@ -23,7 +32,8 @@ impl Claims {
         let exact = self.regions.iter().filter(|r| r.slack <= 1.0);
         let known: Vec<Primitive> = exact.map(GrownRegion::surface).collect();
         let bound = evidence.bound() * self.generous / evidence.slack;
-        for region in self.regions.iter_mut().filter(|r| r.slack > 1.0) {
+        let all = self.regions.iter_mut();
+        for region in all.filter(|r| r.slack > 1.0 || is_nearly_cylinder(evidence, r)) {
             let units = &region.units;
             let stride = units.len().div_ceil(SAMPLE).max(1);
             let faces: Vec<OrientedPoint> =
@@ -57,6 +67,7 @@ impl Claims {
             });
             if let Some(fit) = found {
                 region.fit = fit;
+                region.slack = region.slack.max(fit.worst / bound * self.generous);
             }
         }
     }
