@@ -112,17 +112,20 @@ impl Work<'_> {
 
     /// The facets with free-form faces in place of those that hang together.
     fn hung_together(&self, facets: Vec<FacePatch>) -> Vec<FacePatch> {
-        let neighbours = self.neighbouring(&facets);
+        let made = |own: Vec<FacePatch>| {
+            if self.is_curved_face(&own) { self.joined_facets(own) } else { own }
+        };
+        self.connected(&facets, self.most_sagitta).into_iter().flat_map(made).collect()
+    }
+
+    /// The facets that hang together.
+    fn connected(&self, facets: &[FacePatch], most_sagitta: Option<f64>) -> Vec<Vec<FacePatch>> {
         let mut sets = Sets::new(facets.len());
-        for (k, others) in neighbours.iter().enumerate() {
+        for (k, others) in self.neighbouring(facets, most_sagitta).iter().enumerate() {
             others.iter().for_each(|&other| sets.join(k, other));
         }
         let pick = |set: &Vec<u32>| set.iter().map(|&k| facets[k as usize].clone()).collect();
-        let made = |set: &Vec<u32>| {
-            let own: Vec<FacePatch> = pick(set);
-            if self.is_curved_face(&own) { self.joined_facets(own) } else { own }
-        };
-        sets.members().iter().flat_map(made).collect()
+        sets.members().iter().map(pick).collect()
     }
 
     /// Whether facets that hang together are a curved face. Few ones in a clean mesh may be meant as they are, unless a curved face lost them.
@@ -149,9 +152,13 @@ impl Work<'_> {
         }
     }
 
-    /// The free-form faces of both halves of facets that hang together.
+    /// The free-form faces of facets that hang together, divided at the borders of wide ones if there are such, else into halves.
     fn divided(&self, facets: Vec<FacePatch>) -> Vec<FacePatch> {
-        let neighbours = self.neighbouring(&facets);
+        let parts = self.connected(&facets, None);
+        if parts.len() > 1 {
+            return parts.into_iter().flat_map(|part| self.joined_facets(part)).collect();
+        }
+        let neighbours = self.neighbouring(&facets, None);
         let distances = |from: usize| {
             let mut far = vec![usize::MAX; facets.len()];
             far[from] = 0;
@@ -178,8 +185,12 @@ impl Work<'_> {
         [true, false].into_iter().flat_map(|k| self.joined_facets(half(k))).collect()
     }
 
-    /// For each facet those that share an edge with it.
-    fn neighbouring(&self, facets: &[FacePatch]) -> Vec<BTreeSet<usize>> {
+    /// For each facet those that continue it across an edge.
+    fn neighbouring(
+        &self,
+        facets: &[FacePatch],
+        most_sagitta: Option<f64>,
+    ) -> Vec<BTreeSet<usize>> {
         let mut of: BTreeMap<u32, usize> = BTreeMap::new();
         for (k, facet) in facets.iter().enumerate() {
             of.extend(facet.triangles.iter().map(|&t| (t, k)));
@@ -189,7 +200,8 @@ impl Work<'_> {
             let others = sides.filter_map(|side| {
                 let twin = self.edges.across(side)?;
                 let other = *of.get(&((twin / 3) as u32))?;
-                let is_one = other != k && self.is_smooth(side, twin, [facet, &facets[other]]);
+                let is_one =
+                    other != k && self.is_smooth(side, twin, [facet, &facets[other]], most_sagitta);
                 is_one.then_some(other)
             });
             others.collect()
@@ -198,8 +210,15 @@ impl Work<'_> {
     }
 
     /// Whether a free-form face may cross the edge between two facets. In a clean mesh it is neither sharp nor the border of a flat face,
-    /// which is much wider than the facets of a curved face beside it.
-    fn is_smooth(&self, side: usize, twin: usize, facets: [&FacePatch; 2]) -> bool {
+    /// which is much wider than the facets of a curved face beside it. A wide facet counts as curved if it leaves a curve across it no farther than
+    /// a length.
+    fn is_smooth(
+        &self,
+        side: usize,
+        twin: usize,
+        facets: [&FacePatch; 2],
+        most_sagitta: Option<f64>,
+    ) -> bool {
         let FreeForms::Through { turn, .. } = self.free_forms else { return true };
         let (from, to) = self.mesh.side(side);
         let from = self.mesh.point(from);
@@ -215,7 +234,7 @@ impl Work<'_> {
             self.sagitta(own, &wide.triangles, turn) <= most
         };
         self.dihedral(side, twin) <= turn
-            && (a.max(b) <= MOST_WIDER * a.min(b) || self.most_sagitta.is_some_and(is_usual))
+            && (a.max(b) <= MOST_WIDER * a.min(b) || most_sagitta.is_some_and(is_usual))
     }
 
     /// The border and the corners of a free-form face, if its facets have one border.
