@@ -11,7 +11,7 @@ use formats::brep::{BrepCurve, BrepSurface, Edge, Face, PCurve};
 
 use super::fallback::SeamFault;
 use super::network::{Chain, ChainNetwork};
-use super::pieces::{CurvePiece, are_near, halved, pieces, place_of_lines, places_of_ends};
+use super::pieces::{CurvePiece, FINE, are_near, halved, pieces, place_of_lines, places_of_ends};
 use super::{EXACT, Work};
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::mesh::Mesh;
@@ -192,6 +192,9 @@ impl<'a> UsedEdge<'a> {
             let near = other.pieces.iter().filter(|b| are_near(a, b));
             left.extend(near.map(|b| (*a, *b)));
         }
+        if let Some(cusp) = common.iter().find(|of| of.is_cusp(self, other)) {
+            return Some(cusp.at);
+        }
         let mut count = 0;
         while let Some((a, b)) = left.pop() {
             count += 1;
@@ -222,12 +225,13 @@ impl<'a> UsedEdge<'a> {
         if !matches!(self.pcurve, PCurve::Spline(_)) {
             return None;
         }
-        let within = |piece: &CurvePiece| {
-            let [start, end] = piece.range;
+        let breaks = self.pcurve.breaks();
+        let within = |span: &[f64]| {
+            let [start, end] = [span[0], span[1]];
             (0..SAMPLES).map(move |k| start + (end - start) * k as f64 / SAMPLES as f64)
         };
-        let mut samples: Vec<f64> = self.pieces.iter().flat_map(within).collect();
-        samples.extend(self.pieces.last().map(|piece| piece.range[1]));
+        let mut samples: Vec<f64> = breaks.windows(2).flat_map(within).collect();
+        samples.extend(breaks.last());
         let points: Vec<Uv> = samples.iter().map(|&t| Uv::from(self.pcurve.point(t))).collect();
         let turn = points.windows(3).position(|p| (p[1] - p[0]).dot(&(p[2] - p[1])) < 0.0);
         if let Some(turn) = turn {
@@ -282,6 +286,20 @@ struct Common {
 }
 
 impl Common {
+    /// Whether two arcs leave this vertex so nearly in one direction that they are not apart where they leave its radius.
+    fn is_cusp(&self, a: &UsedEdge, b: &UsedEdge) -> bool {
+        let is_arc = |of: &UsedEdge| matches!(of.pcurve, PCurve::Ellipse(_));
+        if !(is_arc(a) && is_arc(b)) {
+            return false;
+        }
+        let [out, other] = [(a, 0), (b, 1)].map(|(side, k)| {
+            let (start, _) = side.pcurve.range();
+            let along = nalgebra::Vector2::from(side.pcurve.speed(self.parameters[k]));
+            if self.parameters[k] == start { along } else { -along }
+        });
+        out.angle(&other) * self.radius < FINE
+    }
+
     /// Whether two edges may cross within some ranges, because they run along each other from this vertex on.
     fn holds(&self, a: &UsedEdge, b: &UsedEdge, ranges: [[f64; 2]; 2]) -> bool {
         let far = |k: usize| {

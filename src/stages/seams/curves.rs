@@ -226,8 +226,12 @@ impl Pair<'_> {
                 let middle = Point::from(spline.point(0.5 * (t[i] + t[i + 1])));
                 let off = self.off(middle);
                 worst = worst.max(off);
-                if off > SPLINE {
-                    finer.push(self.project(middle));
+                let there = self.project(middle);
+                // More points do not mend what an end is off. Where surfaces hardly cross, the next point of both may lie behind an end.
+                if off > SPLINE.max(self.off(kept[i])).max(self.off(kept[i + 1]))
+                    && is_onwards([kept[i], there, kept[i + 1]])
+                {
+                    finer.push(there);
                 }
                 finer.push(kept[i + 1]);
             }
@@ -244,14 +248,18 @@ impl Pair<'_> {
 fn onwards(points: &mut Vec<Point>) {
     let mut k = 1;
     while k + 1 < points.len() {
-        let [before, at, next] = [points[k - 1], points[k], points[k + 1]];
-        if (at - before).dot(&(next - at)) < 0.0 {
+        if is_onwards([points[k - 1], points[k], points[k + 1]]) {
+            k += 1;
+        } else {
             points.remove(k);
             k = (k - 1).max(1);
-        } else {
-            k += 1;
         }
     }
+}
+
+/// Whether the way from the first to the last point passes the second one without turning back.
+fn is_onwards([before, at, next]: [Point; 3]) -> bool {
+    (at - before).dot(&(next - at)) >= 0.0
 }
 
 /// Points along a curve.

@@ -198,7 +198,9 @@ pub(super) fn followed(
         for piece in &pieces {
             let own = COMPARED.map(|t| off(piece, t)).into_iter().fold(0.0, f64::max);
             worst = worst.max(own);
-            if own > SPLINE {
+            // More pieces do not mend what an end is off.
+            let ends = [0.0, 1.0].map(|t| off(piece, t)).into_iter().fold(SPLINE, f64::max);
+            if own > ends {
                 finer.push(station(surface.closest(piece.point(0.5)), piece.tangent(0.5))?);
             }
             finer.push(piece.ends[1]);

@@ -7,7 +7,7 @@ const FIRST: usize = 24;
 
 /// A piece so close to its chord is the chord, in the units of the parameters. Kernels find crossings to a tenth of a
 /// nanometre.
-const FINE: f64 = 1e-10;
+pub(super) const FINE: f64 = 1e-10;
 
 /// A curve is farther from its chord than at three samples by at most this factor: a parabola by nothing, a cubic by a quarter.
 const BETWEEN_SAMPLES: f64 = 1.25;
