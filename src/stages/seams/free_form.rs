@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
+use super::Fallback;
 use super::fallback::SeamFault;
 use super::free_face::FreeSurface;
 use super::shell::{BuiltShell, shell};
@@ -84,8 +85,12 @@ impl Work<'_> {
         self.patches[i].free_form().is_some()
     }
 
-    /// The shell with free-form faces in place of its facets as far as that is valid.
-    pub(super) fn with_free_forms(mut self, built: BuiltShell) -> BuiltShell {
+    /// The shell with free-form faces in place of its facets as far as that is valid. Other faces may become facets for it.
+    pub(super) fn with_free_forms(
+        mut self,
+        built: BuiltShell,
+        fallbacks: &mut Vec<Fallback>,
+    ) -> BuiltShell {
         if self.is_open() || self.free_forms == FreeForms::None {
             return built;
         }
@@ -95,6 +100,7 @@ impl Work<'_> {
         self.number();
         self.most_sagitta = self.most_sagitta();
         self.patches.extend(self.hung_together(facets));
+        let mut lost = Vec::new();
         for round in 0..ROUNDS {
             if !self.patches.iter().any(|patch| patch.free_form().is_some()) {
                 break;
@@ -102,9 +108,17 @@ impl Work<'_> {
             self.tries = vec![0; self.patches.len()];
             self.number();
             match shell(&mut self) {
-                Ok(better) => return better,
-                Err(faults) if self.divide(&faults, round < HALVED) => {}
-                Err(_) => break,
+                Ok(better) => {
+                    fallbacks.extend(lost);
+                    return better;
+                }
+                Err(faults) => {
+                    let is_other =
+                        !self.divide(&faults, round < HALVED) && !self.give_up(&faults, &mut lost);
+                    if is_other {
+                        break;
+                    }
+                }
             }
         }
         built

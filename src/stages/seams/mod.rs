@@ -345,7 +345,7 @@ impl<'a> Work<'a> {
             self.number();
             match shell::shell(&mut self) {
                 Ok(built) => {
-                    let built = self.with_free_forms(built);
+                    let built = self.with_free_forms(built, &mut fallbacks);
                     let shell::BuiltShell { brep, gap, patches } = built;
                     let free_forms = patches.iter().filter(|p| p.free_form().is_some()).count();
                     let facets = patches.iter().filter(|p| p.is_facet).count() - free_forms;
