@@ -294,7 +294,7 @@ fn every_vertex_of_the_file_has_its_point() {
 fn parts_with_loose_edges_have_the_faces_of_their_truths() {
     let Some(parts) = shared("parts") else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for name in ["iso7040_nut", "nist_pmi_1", "u2_knob_housing"] {
+    for name in ["featuretype", "iso7040_nut", "nist_pmi_1", "u2_knob_housing"] {
         let truth = json(&parts.join(format!("truth/{name}.json")));
         let mesh = parts.join(format!("stl/{name}.coarse.stl.gz"));
         let unpacked = Command::new("gzip").arg("-dc").arg(&mesh).output().expect("gzip runs");
@@ -303,7 +303,10 @@ fn parts_with_loose_edges_have_the_faces_of_their_truths() {
         let step = folder.path().join(format!("{name}.step"));
         let (_, report) = made(&stl, &step, &[]);
         let truths = truth["kinds"].as_object().expect("an object").clone();
-        let truths: serde_json::Map<_, _> = truths.into_iter().filter(|(_, n)| *n != 0).collect();
+        let truths = truths.into_iter().filter(|(_, n)| *n != 0);
+        // A profile of a spline goes straight up in a face of its own.
+        let spline = |kind: String| if kind == "extrusion" { "spline".into() } else { kind };
+        let truths: serde_json::Map<_, _> = truths.map(|(kind, n)| (spline(kind), n)).collect();
         assert_eq!(kinds(&report), Value::from(truths), "{name}");
         assert_eq!(opencascade_solid(&step)["valid"], true, "{name}");
     }

@@ -33,7 +33,7 @@ const LEAST_EXACT: f64 = 0.9;
 const PLACED: f64 = 1e-8;
 
 /// Finding the faces of a scan with more vertices takes minutes: a smooth one of 50,000 vertices takes up to 24 s.
-const MOST_VERTICES: usize = 100_000;
+const MOST_VERTICES: usize = 150_000;
 
 /// A component with its regions.
 struct ScannedComponent {

@@ -371,7 +371,7 @@ mod tests {
             let own = &points[k * step..=(k + 1) * step];
             match own {
                 [from, to] => BrepCurve::line(array(*from), array(*to)).expect("a line"),
-                own => BrepCurve::Spline(led_curve(own, [None; 2]).expect("a curve")),
+                own => BrepCurve::Spline(led_curve(own, [None; 2], None).expect("a curve")),
             }
         };
         (0..pieces).map(piece).collect()

@@ -386,6 +386,39 @@ mod tests {
     }
 
     #[test]
+    fn two_arcs_that_leave_a_vertex_in_one_direction_are_a_crossing() {
+        // Two arcs beside each other that are half circles but for a turn at their ends.
+        let face = |turn: f64| {
+            let mut brep = Brep::default();
+            let ends =
+                [[-2.0, 0.0], [0.0, 0.0], [2.0, 0.0]].map(|[x, y]| brep.add_vertex([x, y, 0.0]));
+            let arc = |x: f64| {
+                // The centre is below the chord, so that the arc is lower than half a circle.
+                let [sin, cos] = [turn.sin(), turn.cos()];
+                let radius = 1.0 / cos;
+                let centre = [x, -radius * sin, 0.0];
+                let start = [1.0, -centre[1], 0.0];
+                let frame = Frame::new(centre, [0.0, 0.0, 1.0], start).expect("a frame");
+                BrepCurve::arc(&frame, radius, std::f64::consts::PI - 2.0 * turn).expect("an arc")
+            };
+            let plane = Frame::new([0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).expect("a frame");
+            let mut uses = Vec::new();
+            for (k, x) in [(1, 1.0), (0, -1.0)] {
+                let curve = arc(x);
+                let pcurve = PCurve::on_plane(&plane, &curve).expect("an arc");
+                let edge = brep.add_edge(curve, [ends[k + 1], ends[k]]);
+                uses.push(EdgeUse { edge, forward: true, pcurve });
+            }
+            let surface = brep.add_surface(BrepSurface::Plane { frame: plane });
+            let face = Face { surface, forward: true, loops: vec![uses] };
+            let radii = vec![AT_VERTEX; brep.vertices.len()];
+            crossed(&brep, &face, &radii).len()
+        };
+        assert_eq!(face(2e-4), 1);
+        assert_eq!(face(2e-2), 0);
+    }
+
+    #[test]
     fn a_pcurve_that_turns_back_is_a_crossing() {
         let own = |poles: Vec<[f64; 2]>| {
             let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];

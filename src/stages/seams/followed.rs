@@ -10,7 +10,7 @@ use formats::spline::SplineCurve;
 use super::chart::{array, vector};
 use super::curves::{MOST_POINTS, MOST_ROUNDS, SPLINE};
 use super::hermite::{slopes, with_slopes};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, segment_distance};
 use crate::primitives::Primitive;
 
 /// The share of the length for the numerical derivative. Its error is as small as the step, which Newton's method makes good.
@@ -21,6 +21,9 @@ const STEPS: usize = 8;
 
 /// The length is at most so many times that of a straight piece, and at least its inverse. Others make loops.
 const MOST_STRETCHED: f64 = 2.0;
+
+/// A cubic curve rises over its chord by at most this share of what its inner control points do.
+const RISES: f64 = 0.75;
 
 /// Where pieces are compared with the surface: besides the middle and the ends, where they are on it.
 const COMPARED: [f64; 4] = [0.15, 0.3, 0.7, 0.85];
@@ -103,24 +106,16 @@ fn led_slopes(t: &[f64], places: &[[f64; 3]], most_sagitta: Option<f64>) -> Vec<
     let points: Vec<Point> = places.iter().map(|&p| Point::from(p)).collect();
     let rises = |most: f64| {
         (0..t.len() - 1).any(|k| {
-            let chord = points[k + 1] - points[k];
             let third = (t[k + 1] - t[k]) / 3.0;
             let poles = [points[k] + third * slopes[k], points[k + 1] - third * slopes[k + 1]];
-            // A cubic curve rises by three quarters of what its inner control points do at most.
-            let rise = |p: &Point| nearest_on(points[k], chord, *p);
-            0.75 * poles.iter().map(rise).fold(0.0, f64::max) > most
+            let rise = |p: &Point| segment_distance(*p, points[k], points[k + 1]);
+            RISES * poles.iter().map(rise).fold(0.0, f64::max) > most
         })
     };
     if let Some(most) = most_sagitta.filter(|&most| rises(most)) {
         limit_sagittas(&points, &mut slopes, most);
     }
     slopes
-}
-
-/// How far a point is off a segment.
-fn nearest_on(from: Point, chord: Vector, p: Point) -> f64 {
-    let share = (p - from).dot(&chord) / chord.norm_squared().max(f64::MIN_POSITIVE);
-    (p - from - share.clamp(0.0, 1.0) * chord).norm()
 }
 
 /// The curve through points at given parameters.
@@ -249,6 +244,26 @@ mod tests {
     fn on_torus(u: f64, v: f64) -> Point {
         let r = 50.0 + 8.0 * v.cos();
         Point::new(r * u.cos(), r * u.sin(), 8.0 * v.sin())
+    }
+
+    #[test]
+    fn a_curve_through_very_uneven_points_stays_near_long_chords() {
+        // A wave whose flat parts have one long chord each.
+        let points = [[-0.3, 0.4], [-0.1, 0.1], [0.0, 0.0], [5.0, -1.0], [5.1, -1.1], [5.2, -1.4]];
+        let points = points.map(|[x, y]| Point::new(x, y, 0.0));
+        let worst = |most: Option<f64>| {
+            let curve = led_curve(&points, [None; 2], most).expect("a curve");
+            let (start, end) = curve.knots().range();
+            let at =
+                |k: i32| Point::from(curve.point(start + (end - start) * f64::from(k) / 999.0));
+            let off = |p: Point| {
+                let chords = points.windows(2).map(|ends| segment_distance(p, ends[0], ends[1]));
+                chords.fold(f64::INFINITY, f64::min)
+            };
+            (0..1000).map(|k| off(at(k))).fold(0.0, f64::max)
+        };
+        assert!(worst(None) > 0.2, "{}", worst(None));
+        assert!(worst(Some(0.1)) <= 0.1, "{}", worst(Some(0.1)));
     }
 
     #[test]

@@ -112,13 +112,9 @@ impl Work<'_> {
                     fallbacks.extend(lost);
                     return better;
                 }
-                Err(faults) => {
-                    let is_other =
-                        !self.divide(&faults, round < HALVED) && !self.give_up(&faults, &mut lost);
-                    if is_other {
-                        break;
-                    }
-                }
+                Err(faults) if self.divide(&faults, round < HALVED) => {}
+                Err(faults) if self.give_up(&faults, &mut lost) => {}
+                Err(_) => break,
             }
         }
         built
