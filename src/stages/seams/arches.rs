@@ -265,28 +265,20 @@ impl Work<'_> {
         let sides = [chain.left, chain.right];
         let [a, b] = sides.map(|i| &self.patches[i].surface);
         let kind = if chain.touches { SeamKind::Touches } else { SeamKind::Crosses };
+        let most_sagitta = self.most_sagitta;
         if sides.iter().any(|&i| self.is_free(i)) {
             return match sides.into_iter().find(|&i| self.holds_edges(i)) {
                 Some(i) => {
                     let only = &self.patches[i].surface;
-                    Pair {
-                        a: only,
-                        b: only,
-                        kind: SeamKind::Follows,
-                        most_sagitta: self.most_sagitta,
-                    }
+                    Pair { a: only, b: only, kind: SeamKind::Follows, most_sagitta }
                 }
-                None => Pair { a, b, kind: SeamKind::Loose, most_sagitta: self.most_sagitta },
+                None => Pair { a, b, kind: SeamKind::Loose, most_sagitta },
             };
         }
         match (&chain.upright, self.is_bent(chain.left)) {
-            (None, _) => Pair { a, b, kind, most_sagitta: None },
-            (Some(plane), true) => {
-                Pair { a: b, b: plane, kind: SeamKind::Crosses, most_sagitta: None }
-            }
-            (Some(plane), false) => {
-                Pair { a, b: plane, kind: SeamKind::Crosses, most_sagitta: None }
-            }
+            (None, _) => Pair { a, b, kind, most_sagitta },
+            (Some(plane), true) => Pair { a: b, b: plane, kind: SeamKind::Crosses, most_sagitta },
+            (Some(plane), false) => Pair { a, b: plane, kind: SeamKind::Crosses, most_sagitta },
         }
     }
 

@@ -3,12 +3,10 @@
 //! A surface that turns by an angle from one triangle to the next, across triangles of some width, leaves them by an eighth of the angle times the
 //! width. This is all that the mesh tells of the surface between its vertices.
 
+use super::gaps::SAGITTA_RATIO;
 use super::{FreeForms, Work};
 use crate::geometry::Point;
 use crate::primitives::PrimitiveKind;
-
-/// Facets of one face differ by less than this factor in their chord errors, as meshers halve their steps.
-const STEPS_OF_A_FACE: f64 = 2.25;
 
 /// How far a patch is from a smooth surface.
 pub(super) struct ChordError {
@@ -45,7 +43,7 @@ impl Work<'_> {
         let curved = (0..self.patches.len())
             .filter(|&i| self.patches[i].surface.kind() != PrimitiveKind::Plane);
         let most = curved.map(|i| self.chord_error(i).most).fold(0.0, f64::max);
-        (is_clean && most > 0.0).then_some(STEPS_OF_A_FACE * most)
+        (is_clean && most > 0.0).then_some(SAGITTA_RATIO * most)
     }
 
     /// How far a smooth curve across a facet, from one of its sides on, leaves the facet. Of the turn at each of its smooth borders it takes one half.

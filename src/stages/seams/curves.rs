@@ -226,12 +226,13 @@ impl Pair<'_> {
                 let middle = Point::from(spline.point(0.5 * (t[i] + t[i + 1])));
                 let off = self.off(middle);
                 worst = worst.max(off);
-                let there = self.project(middle);
-                // More points do not mend what an end is off. Where surfaces hardly cross, the next point of both may lie behind an end.
-                if off > SPLINE.max(self.off(kept[i])).max(self.off(kept[i + 1]))
-                    && is_onwards([kept[i], there, kept[i + 1]])
-                {
-                    finer.push(there);
+                let ends = [kept[i], kept[i + 1]];
+                // More points do not mend what an end is off.
+                if off > SPLINE && ends.iter().all(|&end| off > self.off(end)) {
+                    // Where surfaces hardly cross, the next point of both may lie behind an end.
+                    let there = self.project(middle);
+                    finer
+                        .extend(Some(there).filter(|&there| is_onwards([ends[0], there, ends[1]])));
                 }
                 finer.push(kept[i + 1]);
             }

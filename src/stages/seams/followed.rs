@@ -103,16 +103,14 @@ fn led_by(points: &[Point], tangents: [Option<Vector>; 2], most_sagitta: Option<
 /// The slopes of the curve through points at given parameters.
 fn led_slopes(t: &[f64], places: &[[f64; 3]], most_sagitta: Option<f64>) -> Vec<Vector> {
     let mut slopes: Vec<Vector> = slopes(t, places).into_iter().map(Vector::from).collect();
+    let Some(most) = most_sagitta else { return slopes };
     let points: Vec<Point> = places.iter().map(|&p| Point::from(p)).collect();
-    let rises = |most: f64| {
-        (0..t.len() - 1).any(|k| {
-            let third = (t[k + 1] - t[k]) / 3.0;
-            let poles = [points[k] + third * slopes[k], points[k + 1] - third * slopes[k + 1]];
-            let rise = |p: &Point| segment_distance(*p, points[k], points[k + 1]);
-            RISES * poles.iter().map(rise).fold(0.0, f64::max) > most
-        })
+    let rises = |k: usize| {
+        let third = (t[k + 1] - t[k]) / 3.0;
+        let poles = [points[k] + third * slopes[k], points[k + 1] - third * slopes[k + 1]];
+        poles.iter().any(|&p| RISES * segment_distance(p, points[k], points[k + 1]) > most)
     };
-    if let Some(most) = most_sagitta.filter(|&most| rises(most)) {
+    if (0..t.len() - 1).any(rises) {
         limit_sagittas(&points, &mut slopes, most);
     }
     slopes

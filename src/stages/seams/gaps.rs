@@ -25,7 +25,7 @@ const FLAT_CORNERS: usize = 5;
 
 /// A triangle of a face is at most so many times as far from its surface as others: 1.5², as steps of one face differ by
 /// less than 1.5.
-const SAGITTA_RATIO: f64 = 2.25;
+pub(super) const SAGITTA_RATIO: f64 = 2.25;
 
 /// What closes a gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
