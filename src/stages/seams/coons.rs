@@ -166,12 +166,22 @@ fn moved(knots: &[f64], to: &KnotVector) -> KnotVector {
 pub(super) struct InnerVertices {
     /// The places on the border.
     pub border: BTreeMap<VertexId, Uv>,
-    /// The vertices inside with their neighbours.
-    pub inner: BTreeMap<VertexId, Vec<VertexId>>,
+    /// The vertices inside, each with the weights of its neighbours.
+    pub inner: BTreeMap<VertexId, BTreeMap<VertexId, f64>>,
 }
 
 impl InnerVertices {
-    /// The parameters of all vertices: each inside is the mean of its neighbours (Tutte 1963).
+    /// Adds the corner that a triangle has at a vertex inside, with the other two vertices of the triangle: their mean value weights (Floater 2003).
+    pub fn add_corner(&mut self, v: VertexId, p: Point, others: [(VertexId, Point); 2]) {
+        let [a, b] = others.map(|(_, q)| q - p);
+        let half = (0.5 * a.angle(&b)).tan();
+        let weights = self.inner.entry(v).or_default();
+        for (w, q) in others {
+            *weights.entry(w).or_default() += half / (q - p).norm();
+        }
+    }
+
+    /// The parameters of all vertices: each inside is a weighted mean of its neighbours.
     pub fn places(&self) -> Option<BTreeMap<VertexId, Uv>> {
         let mut places = self.border.clone();
         let number: BTreeMap<VertexId, usize> =
@@ -179,26 +189,26 @@ impl InnerVertices {
         if number.is_empty() {
             return Some(places);
         }
-        let within = |v: &VertexId| {
-            let others = self.inner[v].iter().filter_map(|w| number.get(w).copied());
-            std::iter::once(number[v]).chain(others).collect::<Vec<usize>>()
-        };
-        let columns = self.inner.keys().map(|v| {
-            let own = number[v];
-            within(v).into_iter().filter(|&k| k >= own).collect()
-        });
-        let mut equations = SparseNormal::new(columns.collect())?;
-        for (v, neighbours) in &self.inner {
-            let own = number[v];
-            equations.add(own, own, neighbours.len() as f64);
-            for w in neighbours {
+        let mut rows = Vec::with_capacity(number.len());
+        let mut columns = vec![Vec::new(); number.len()];
+        for (v, weights) in &self.inner {
+            let whole: f64 = weights.values().sum();
+            let mut row = vec![(number[v], 1.0)];
+            let mut target = Vector::zeros();
+            for (w, weight) in weights {
                 match (number.get(w), self.border.get(w)) {
-                    (Some(&other), _) => equations.add(own, other, -1.0),
-                    (None, Some(at)) => equations.add_right(own, Vector::new(at.x, at.y, 0.0)),
+                    (Some(&other), _) => row.push((other, -weight / whole)),
+                    (None, Some(at)) => target += weight / whole * Vector::new(at.x, at.y, 0.0),
                     (None, None) => return None,
                 }
             }
+            for &(a, _) in &row {
+                columns[a].extend(row.iter().map(|of| of.0).filter(|&b| b >= a));
+            }
+            rows.push((row, target));
         }
+        let mut equations = SparseNormal::new(columns)?;
+        rows.iter().for_each(|(row, target)| equations.add_row(row, 1.0, *target));
         let found = equations.solve()?;
         places.extend(number.iter().map(|(&v, &k)| (v, Uv::new(found[k].x, found[k].y))));
         Some(places)
@@ -267,8 +277,9 @@ pub(super) fn coons(
         Bulging::Averages(_) => (1, STIFFNESS),
         Bulging::PassesThrough => (PASSES, LITTLE),
     };
-    for _ in 0..passes {
-        let Some(bulge) = bulge(&surface, points, &even, stiffness) else { break };
+    for pass in 0..passes {
+        // The first pass leaves the points at their places: the feet on a surface that is far from them may lie on one another.
+        let Some(bulge) = bulge(&surface, points, &even, stiffness, pass == 0) else { break };
         let own = [moved(even[0].knots(), &surface.u), moved(even[1].knots(), &surface.v)];
         let more = refined(&bulge, [&own[0], &own[1]], [&surface.u, &surface.v]);
         surface.net.iter_mut().zip(more).for_each(|(p, by)| *p += by);
@@ -301,12 +312,13 @@ struct BulgeRow {
 }
 
 /// The control net of what brings a surface to points inside of it and leaves its sides where they are. Each point comes with
-/// parameters near its foot point.
+/// its parameters: its place itself, or a start for its foot point.
 fn bulge(
     surface: &Surface,
     points: &[(Uv, Point)],
     knots: &[KnotVector; 2],
     stiffness: f64,
+    are_places: bool,
 ) -> Option<Vec<Vector>> {
     let [nu, nv] = [0, 1].map(|k| knots[k].functions());
     let inner = |i: usize, j: usize| {
@@ -314,7 +326,7 @@ fn bulge(
     };
     let mut rows: Vec<BulgeRow> = Vec::new();
     for &(start, p) in points {
-        let (at, _) = foot_point(surface, p, start);
+        let at = if are_places { start } else { foot_point(surface, p, start).0 };
         let [a, b] = [knots[0].basis(at.x), knots[1].basis(at.y)];
         let mut row = Vec::new();
         for i in 0..=DEGREE {
@@ -461,13 +473,17 @@ mod tests {
     }
 
     #[test]
-    fn vertices_inside_are_the_means_of_their_neighbours() {
+    fn vertices_inside_a_plane_keep_their_places() {
         let v = |k: u32| VertexId(k);
         let corner = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let border = (0..4).map(|k| (v(k), Uv::from(corner[k as usize]))).collect();
-        let around = vec![v(0), v(1), v(2), v(3)];
-        let inner = [(v(9), around)].into_iter().collect();
-        let places = InnerVertices { border, inner }.places().expect("places");
-        assert!((places[&v(9)] - Uv::new(0.5, 0.5)).norm() < 1e-12);
+        let at = |k: u32| Point::new(corner[k as usize][0], corner[k as usize][1], 0.0);
+        let mut all = InnerVertices { border, inner: BTreeMap::new() };
+        let p = Point::new(0.3, 0.6, 0.0);
+        for k in 0..4 {
+            all.add_corner(v(9), p, [k, (k + 1) % 4].map(|k| (v(k), at(k))));
+        }
+        let places = all.places().expect("places");
+        assert!((places[&v(9)] - Uv::new(0.3, 0.6)).norm() < 1e-12);
     }
 }

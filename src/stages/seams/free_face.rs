@@ -201,16 +201,18 @@ impl Work<'_> {
                 border.insert(form.border[k], place_on(side, along[k - from] / whole));
             }
         }
-        let mut inner: BTreeMap<VertexId, Vec<VertexId>> = BTreeMap::new();
+        let mut all = InnerVertices { border, inner: BTreeMap::new() };
         for &t in &self.patches[i].triangles {
             let corners = self.mesh.triangles[t as usize];
             for k in 0..3 {
-                if !border.contains_key(&corners[k]) {
-                    inner.entry(corners[k]).or_default().push(corners[(k + 1) % 3]);
+                if !all.border.contains_key(&corners[k]) {
+                    let others = [1, 2].map(|j| corners[(k + j) % 3]);
+                    let others = others.map(|v| (v, self.mesh.point(v)));
+                    all.add_corner(corners[k], self.mesh.point(corners[k]), others);
                 }
             }
         }
-        InnerVertices { border, inner }.places()
+        all.places()
     }
 
     /// The farthest that a surface is off the triangles of a free-form face. An error if it is too far or turned over.

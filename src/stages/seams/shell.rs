@@ -76,17 +76,17 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
     brep.uncertainty_mm = KERNEL.max(SLACK * gap);
     let faces = (0..brep.faces.len()).map(FaceId).collect();
     brep.add_shell(Shell { faces, closed: !work.is_open() });
-    let (gap, faults) = face_faults(&mut brep, gap, work.limit);
+    let (gap, faults) = work.face_faults(&network, &mut brep, gap);
     let of = |(face, fault): (FaceId, ModelFault)| {
-        SeamFault::new(&[patch_of[face.0]], fault.to_string())
+        let vertices = chain_of(&network, &brep, &fault).map_or(&[][..], |c| &c.mesh_vertices);
+        SeamFault::near(&[patch_of[face.0]], vertices, fault.to_string())
     };
     none(faults.into_iter().map(of).collect())?;
     none(crossings(work, &brep, &network, &patch_of))?;
     none(corner_poles(work, &brep, &network, &patch_of))?;
     brep.check().map_err(|fault| {
         let faces = faces_of(&brep, &fault).into_iter().map(|face| patch_of[face]);
-        let chain = edge_of(&fault).and_then(|edge| network.chains.get(edge));
-        let vertices = chain.map_or(&[][..], |chain| &chain.mesh_vertices);
+        let vertices = chain_of(&network, &brep, &fault).map_or(&[][..], |c| &c.mesh_vertices);
         vec![SeamFault::near(&faces.collect::<Vec<_>>(), vertices, fault.to_string())]
     })?;
     work.guard(&brep, &strips, &patch_of, &free)?;
@@ -94,22 +94,6 @@ pub(super) fn shell(work: &mut Work) -> Result<BuiltShell, Vec<SeamFault>> {
         |(&i, triangles): (&usize, Vec<u32>)| FacePatch { triangles, ..work.made_patch(i, &free) };
     let patches = patch_of.iter().zip(triangles).map(of_face).collect();
     Ok(BuiltShell { brep, gap, patches })
-}
-
-/// The faults of faces, and the largest gap between edges and faces. The check measures it at more places than those who made the edges.
-fn face_faults(brep: &mut Brep, mut gap: f64, limit: f64) -> (f64, Vec<(FaceId, ModelFault)>) {
-    loop {
-        let faults = brep.face_faults();
-        let off = |(_, fault): &(FaceId, ModelFault)| match fault {
-            ModelFault::OffSurface(_, off) if *off <= limit => Some(*off),
-            _ => None,
-        };
-        let Some(off) = faults.iter().filter_map(off).reduce(f64::max) else {
-            return (gap, faults);
-        };
-        gap = gap.max(off);
-        brep.uncertainty_mm = KERNEL.max(SLACK * gap);
-    }
 }
 
 /// An error unless there are no faults.
@@ -155,12 +139,16 @@ fn faces_of(brep: &Brep, fault: &ModelFault) -> Vec<usize> {
     }
 }
 
-/// The edge that a fault speaks of.
-fn edge_of(fault: &ModelFault) -> Option<usize> {
-    match fault {
-        ModelFault::Uses { edge, .. } => Some(edge.0),
-        _ => None,
-    }
+/// The chain of the edge that a fault speaks of.
+fn chain_of<'a>(network: &'a ChainNetwork, brep: &Brep, fault: &ModelFault) -> Option<&'a Chain> {
+    let edge = match *fault {
+        ModelFault::Uses { edge, .. } => edge,
+        ModelFault::OffSurface(BrepElement::Use(face, ring, n), _) => {
+            brep.faces.get(face)?.loops.get(ring)?.get(n)?.edge
+        }
+        _ => return None,
+    };
+    network.chains.get(edge.0)
 }
 
 impl Work<'_> {
@@ -289,6 +277,28 @@ impl Work<'_> {
             let why = format!("an edge is {:.1e} mm off its faces", off.max(off_planes));
             let faces = self.pair_of_faces(&network.chains[number]);
             Err(EdgeFault { why, at: faces.map(|faces| faces.worst_place(&curve)) })
+        }
+    }
+
+    /// The faults of faces, and the largest gap between edges and faces. The check measures it at more places than those who made the edges.
+    fn face_faults(
+        &self,
+        network: &ChainNetwork,
+        brep: &mut Brep,
+        mut gap: f64,
+    ) -> (f64, Vec<(FaceId, ModelFault)>) {
+        loop {
+            let faults = brep.face_faults();
+            let allowed = |(_, fault): &(FaceId, ModelFault)| {
+                let ModelFault::OffSurface(_, off) = *fault else { return None };
+                let error = chain_of(network, brep, fault).map_or(0.0, |chain| chain.error);
+                (off <= self.limit_at(error)).then_some(off)
+            };
+            let Some(off) = faults.iter().filter_map(allowed).reduce(f64::max) else {
+                return (gap, faults);
+            };
+            gap = gap.max(off);
+            brep.uncertainty_mm = KERNEL.max(SLACK * gap);
         }
     }
 
