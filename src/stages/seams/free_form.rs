@@ -3,8 +3,7 @@
 //! The border runs through the vertices of the mesh, smoothly and on the faces beside it. Four corners divide it into the sides of the surface,
 //! and the vertices inside bend it. A face that leaves its triangles or folds is divided into halves, and into facets at last.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -13,8 +12,7 @@ use super::fallback::SeamFault;
 use super::free_face::FreeSurface;
 use super::shell::{BuiltShell, shell};
 use super::{FacePatch, FacetForm, FreeForms, Work};
-use crate::geometry::sets::Sets;
-use crate::geometry::{OrderedFloat, Point, ROUNDING, Vector, VertexId};
+use crate::geometry::VertexId;
 use crate::spline::Surface;
 
 /// The rounds in which faces that fail are halved. In later ones they become facets. A check sees what the ones before it let pass, so that most rounds
@@ -25,10 +23,7 @@ const HALVED: usize = 24;
 const ROUNDS: usize = 60;
 
 /// So many facets of a clean mesh that hang together smoothly are a curved face whose surface is not known.
-const FEWEST_FACETS: usize = 5;
-
-/// Neighbouring facets of a curved face are at most so many times as wide as each other.
-const MOST_WIDER: f64 = 3.0;
+pub(super) const FEWEST_FACETS: usize = 5;
 
 /// The vertices of a border that may become corners: those with the sharpest angles, and some in even distances.
 const SHARPEST: usize = 12;
@@ -81,12 +76,6 @@ struct BorderCorner {
     cost: f64,
 }
 
-/// The facets of each set.
-fn picked(facets: &[FacePatch], sets: &[Vec<u32>]) -> Vec<Vec<FacePatch>> {
-    let pick = |set: &Vec<u32>| set.iter().map(|&k| facets[k as usize].clone()).collect();
-    sets.iter().map(pick).collect()
-}
-
 impl Work<'_> {
     pub(super) fn is_free(&self, i: usize) -> bool {
         self.patches[i].free_form().is_some()
@@ -132,57 +121,7 @@ impl Work<'_> {
         let made = |own: Vec<FacePatch>| {
             if self.is_curved_face(&own) { self.joined_facets(own) } else { own }
         };
-        self.connected(&facets, self.most_sagitta).into_iter().flat_map(made).collect()
-    }
-
-    /// The facets that hang together.
-    fn connected(&self, facets: &[FacePatch], most_sagitta: Option<f64>) -> Vec<Vec<FacePatch>> {
-        picked(facets, &self.connected_sets(facets, most_sagitta))
-    }
-
-    fn connected_sets(&self, facets: &[FacePatch], most_sagitta: Option<f64>) -> Vec<Vec<u32>> {
-        let mut sets = Sets::new(facets.len());
-        for (k, others) in self.neighbouring(facets, most_sagitta).iter().enumerate() {
-            others.keys().for_each(|&other| sets.join(k, other));
-        }
-        sets.members()
-    }
-
-    /// The parts of facets that hang together between wide ones. Few facets that are no larger than those of the largest part are no face of their own:
-    /// a mesher that does not lay facets in rows makes narrow ones everywhere. They stay with the part that they have most of their border with.
-    fn between_wide_facets(&self, facets: &[FacePatch]) -> Vec<Vec<FacePatch>> {
-        let parts = self.connected_sets(facets, None);
-        let Some(largest) = (0..parts.len()).max_by_key(|&p| parts[p].len()) else {
-            return Vec::new();
-        };
-        let area = |k: &u32| facets[*k as usize].area(self.mesh);
-        let mean = |part: &Vec<u32>| part.iter().map(area).sum::<f64>() / part.len() as f64;
-        let usual = mean(&parts[largest]);
-        let mut of = vec![0; facets.len()];
-        for (p, part) in parts.iter().enumerate() {
-            part.iter().for_each(|&k| of[k as usize] = p);
-        }
-        let neighbours = self.neighbouring(facets, self.most_sagitta);
-        let mut sets = Sets::new(parts.len());
-        for (p, part) in parts.iter().enumerate() {
-            if p == largest || part.len() >= FEWEST_FACETS || mean(part) > usual {
-                continue;
-            }
-            let mut shared: BTreeMap<usize, f64> = BTreeMap::new();
-            for (&other, long) in part.iter().flat_map(|&k| &neighbours[k as usize]) {
-                if of[other] != p {
-                    *shared.entry(of[other]).or_default() += long;
-                }
-            }
-            let most = shared.into_iter().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
-            if let Some((other, _)) = most {
-                sets.join(p, other);
-            }
-        }
-        let together = sets.members().into_iter();
-        let of_parts =
-            |set: Vec<u32>| set.iter().flat_map(|&p| parts[p as usize].clone()).collect();
-        picked(facets, &together.map(of_parts).collect::<Vec<Vec<u32>>>())
+        self.groups(&facets, self.most_sagitta).into_iter().flat_map(made).collect()
     }
 
     /// Whether facets that hang together are a curved face. Few ones in a clean mesh may be meant as they are, unless a curved face lost them.
@@ -211,7 +150,7 @@ impl Work<'_> {
 
     /// The free-form faces of facets that hang together, divided at the borders of wide ones if there are such, else into halves.
     fn divided(&self, facets: Vec<FacePatch>) -> Vec<FacePatch> {
-        let parts = self.between_wide_facets(&facets);
+        let parts = self.groups(&facets, None);
         if parts.len() > 1 {
             return parts.into_iter().flat_map(|part| self.joined_facets(part)).collect();
         }
@@ -221,124 +160,6 @@ impl Work<'_> {
             own.map(|(facet, _)| facet.clone()).collect()
         };
         [true, false].into_iter().flat_map(|k| self.joined_facets(half(k))).collect()
-    }
-
-    /// Which facets are nearer to one end of a face than to the other. The line between the halves is as short as single facets can make it.
-    fn halves(&self, facets: &[FacePatch]) -> Vec<bool> {
-        let neighbours = self.neighbouring(facets, self.most_sagitta);
-        let middles: Vec<Point> = facets.iter().map(|facet| self.middle(facet)).collect();
-        let distances = |from: usize| {
-            let mut far = vec![f64::INFINITY; facets.len()];
-            far[from] = 0.0;
-            let mut queue = BinaryHeap::from([(Reverse(OrderedFloat(0.0)), from)]);
-            while let Some((Reverse(OrderedFloat(so_far)), k)) = queue.pop() {
-                if so_far > far[k] {
-                    continue;
-                }
-                for &other in neighbours[k].keys() {
-                    let along = so_far + (middles[other] - middles[k]).norm();
-                    if along < far[other] {
-                        far[other] = along;
-                        queue.push((Reverse(OrderedFloat(along)), other));
-                    }
-                }
-            }
-            far
-        };
-        let farthest = |far: &[f64]| {
-            (0..far.len()).max_by(|&a, &b| far[a].total_cmp(&far[b]).then(a.cmp(&b))).unwrap_or(0)
-        };
-        let [one, other] = {
-            let one = farthest(&distances(0));
-            [one, farthest(&distances(one))]
-        };
-        let [of_one, of_other] = [one, other].map(distances);
-        let mut is_first: Vec<bool> = of_one.iter().zip(&of_other).map(|(a, b)| a <= b).collect();
-        // Each facet that goes over makes the line shorter.
-        loop {
-            let mut moved = false;
-            for k in (0..facets.len()).filter(|&k| k != one && k != other) {
-                let shared = |own: bool| -> f64 {
-                    let those = neighbours[k].iter().filter(|of| is_first[*of.0] == own);
-                    those.map(|of| of.1).sum()
-                };
-                if shared(!is_first[k]) > (1.0 + ROUNDING) * shared(is_first[k]) {
-                    is_first[k] = !is_first[k];
-                    moved = true;
-                }
-            }
-            if !moved {
-                return is_first;
-            }
-        }
-    }
-
-    fn middle(&self, facet: &FacePatch) -> Point {
-        let mut sum = Vector::zeros();
-        let mut whole = 0.0;
-        for &t in &facet.triangles {
-            let triangle = self.mesh.triangles[t as usize];
-            let area = self.mesh.area_vector(triangle).norm();
-            let [a, b, c] = self.mesh.corners(triangle).map(|p| p.coords);
-            sum += area * (a + b + c) / 3.0;
-            whole += area;
-        }
-        Point::from(sum / f64::max(whole, f64::MIN_POSITIVE))
-    }
-
-    /// For each facet those that continue it across edges, and how long these are.
-    fn neighbouring(
-        &self,
-        facets: &[FacePatch],
-        most_sagitta: Option<f64>,
-    ) -> Vec<BTreeMap<usize, f64>> {
-        let mut of: BTreeMap<u32, usize> = BTreeMap::new();
-        for (k, facet) in facets.iter().enumerate() {
-            of.extend(facet.triangles.iter().map(|&t| (t, k)));
-        }
-        let beside = |facet: &FacePatch, k: usize| {
-            let sides = facet.triangles.iter().flat_map(|&t| 3 * t as usize..3 * t as usize + 3);
-            let mut others = BTreeMap::new();
-            for side in sides {
-                let Some(twin) = self.edges.across(side) else { continue };
-                let Some(&other) = of.get(&((twin / 3) as u32)) else { continue };
-                if other != k && self.is_smooth(side, twin, [facet, &facets[other]], most_sagitta) {
-                    let (from, to) = self.mesh.side(side);
-                    let long = (self.mesh.point(to) - self.mesh.point(from)).norm();
-                    *others.entry(other).or_default() += long;
-                }
-            }
-            others
-        };
-        facets.iter().enumerate().map(|(k, facet)| beside(facet, k)).collect()
-    }
-
-    /// Whether a free-form face may cross the edge between two facets. In a clean mesh it is neither sharp nor the border of a flat face,
-    /// which is much wider than the facets of a curved face beside it. A wide facet counts as curved if it leaves a curve across it no farther than
-    /// a length.
-    fn is_smooth(
-        &self,
-        side: usize,
-        twin: usize,
-        facets: [&FacePatch; 2],
-        most_sagitta: Option<f64>,
-    ) -> bool {
-        let FreeForms::Through { turn, .. } = self.free_forms else { return true };
-        let (from, to) = self.mesh.side(side);
-        let from = self.mesh.point(from);
-        let along = (self.mesh.point(to) - from).normalize();
-        let width = |facet: &FacePatch| {
-            let vertices = facet.triangles.iter().flat_map(|&t| self.mesh.triangles[t as usize]);
-            let off = |v: VertexId| (self.mesh.point(v) - from).cross(&along).norm();
-            vertices.map(off).fold(0.0, f64::max)
-        };
-        let [a, b] = facets.map(width);
-        let is_usual = |most: f64| {
-            let (own, wide) = if a > b { (side, facets[0]) } else { (twin, facets[1]) };
-            self.sagitta(own, &wide.triangles, turn) <= most
-        };
-        self.dihedral(side, twin) <= turn
-            && (a.max(b) <= MOST_WIDER * a.min(b) || most_sagitta.is_some_and(is_usual))
     }
 
     /// The border and the corners of a free-form face, if its facets have one border.

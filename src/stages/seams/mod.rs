@@ -30,6 +30,7 @@ mod free_face;
 mod free_form;
 mod gap_checks;
 mod gaps;
+mod groups;
 mod guard;
 mod hermite;
 mod leading;
