@@ -278,8 +278,9 @@ pub(super) fn coons(
         Bulging::PassesThrough => (PASSES, LITTLE),
     };
     for pass in 0..passes {
-        // The first pass leaves the points at their places: the feet on a surface that is far from them may lie on one another.
-        let Some(bulge) = bulge(&surface, points, &even, stiffness, pass == 0) else { break };
+        // The first of several passes leaves the points at their places: the feet on a surface that is far from them may lie on one another.
+        let are_places = pass == 0 && passes > 1;
+        let Some(bulge) = bulge(&surface, points, &even, stiffness, are_places) else { break };
         let own = [moved(even[0].knots(), &surface.u), moved(even[1].knots(), &surface.v)];
         let more = refined(&bulge, [&own[0], &own[1]], [&surface.u, &surface.v]);
         surface.net.iter_mut().zip(more).for_each(|(p, by)| *p += by);

@@ -83,10 +83,13 @@ impl Work<'_> {
         let other = farthest_from(one);
         let [of_one, of_other] = [one, other].map(distances);
         let mut is_first: Vec<bool> = of_one.iter().zip(&of_other).map(|(a, b)| a <= b).collect();
-        // Each facet that goes over makes the line shorter.
+        // Each facet that goes over makes the line shorter. Those at the line alone may, as it runs away along a narrow strip.
+        let is_at_line = |k: &usize| neighbours[*k].keys().any(|&n| is_first[n] != is_first[*k]);
+        let at_line: Vec<usize> =
+            (0..facets.len()).filter(|&k| k != one && k != other).filter(is_at_line).collect();
         loop {
             let mut moved = false;
-            for k in (0..facets.len()).filter(|&k| k != one && k != other) {
+            for &k in &at_line {
                 let shared = |own: bool| -> f64 {
                     let those = neighbours[k].iter().filter(|of| is_first[*of.0] == own);
                     those.map(|of| of.1).sum()
