@@ -66,63 +66,41 @@ pub(super) fn is_bordered(evidence: &ExactFacets, growth: &GrownRegion) -> bool 
 /// however few facets tell.
 const MOST_GRADUAL: f64 = 20.0;
 
-/// How far the next vertices beyond a region are off its surface, in units of their errors.
-pub(super) struct Beyond {
-    misfits: Vec<f64>,
-    /// A surface that merely osculates a free-form one fits gradually less: beyond `n` facets the misfit grows by the Taylor factor
-    /// ((n+2)/n)^(parameters+1).
-    gradual: f64,
-}
-
-impl Beyond {
-    pub(super) fn of(evidence: &ExactFacets, growth: &GrownRegion) -> Self {
-        let surface = growth.surface();
-        let mut inside = growth.units.clone();
-        inside.sort_unstable();
-        let mut vertices = growth.vertices.clone();
-        vertices.sort_unstable();
-        let mut misfits = Vec::new();
-        for &f in &growth.units {
-            for border in &evidence.facets.get(f).borders {
-                let other = evidence.facets.get(border.facet);
-                if border.dihedral > MOST_TURN
-                    || other.is_flat
-                    || inside.binary_search(&border.facet).is_ok()
-                {
-                    continue;
-                }
-                let outside = other.corners.iter().filter(|v| vertices.binary_search(v).is_err());
-                let off = outside.map(|&v| {
-                    let s = evidence.sample(v);
-                    surface.distance(s.at).0.abs() / s.error
-                });
-                misfits.extend(off.reduce(f64::max));
+/// Whether the region ends at once. A surface that merely osculates a free-form one fits gradually less: beyond `n` facets the
+/// misfit grows by the Taylor factor ((n+2)/n)^(parameters+1).
+pub(super) fn ends_abruptly(evidence: &ExactFacets, growth: &GrownRegion) -> bool {
+    let surface = growth.surface();
+    let mut inside = growth.units.clone();
+    inside.sort_unstable();
+    let mut vertices = growth.vertices.clone();
+    vertices.sort_unstable();
+    let mut misfits = Vec::new();
+    for &f in &growth.units {
+        for border in &evidence.facets.get(f).borders {
+            let other = evidence.facets.get(border.facet);
+            if border.dihedral > MOST_TURN
+                || other.is_flat
+                || inside.binary_search(&border.facet).is_ok()
+            {
+                continue;
             }
+            let outside = other.corners.iter().filter(|v| vertices.binary_search(v).is_err());
+            let off = outside.map(|&v| {
+                let s = evidence.sample(v);
+                surface.distance(s.at).0.abs() / s.error
+            });
+            misfits.extend(off.reduce(f64::max));
         }
-        let kind = surface.kind();
-        let n = growth.units.len() as f64;
-        let across = match kind {
-            PrimitiveKind::Sphere | PrimitiveKind::Torus => n.sqrt(),
-            // A strip of facets has two vertices for each and two more, a patch of triangles has fewer.
-            _ => (growth.vertices.len() as f64 / 2.0 - 1.0).clamp(1.0, n),
-        };
-        let gradual = ((across + 2.0) / across).powi(kind.parameters() as i32 + 1);
-        if misfits.len() < 2 {
-            misfits.clear();
-        }
-        Beyond { misfits, gradual }
     }
-
-    /// Whether the region ends at once.
-    pub(super) fn is_abrupt(&self) -> bool {
-        let gradual = self.gradual.min(MOST_GRADUAL);
-        median(self.misfits.clone()).is_none_or(|off| off > 2.0 * MOST_ERRORS * gradual)
+    if misfits.len() < 2 {
+        return true;
     }
-
-    /// The misfit inside that a part of a free-form face would have, in units of the errors. `None` if the region ends at creases and flat faces.
-    pub(super) fn of_free_form(&self) -> Option<f64> {
-        self.misfits.iter().copied().reduce(f64::max).map(|most| most / self.gradual)
-    }
+    let kind = surface.kind();
+    let n = growth.units.len() as f64;
+    let across =
+        if matches!(kind, PrimitiveKind::Sphere | PrimitiveKind::Torus) { n.sqrt() } else { n };
+    let gradual = ((across + 2.0) / across).powi(kind.parameters() as i32 + 1).min(MOST_GRADUAL);
+    median(misfits).is_none_or(|off| off > 2.0 * MOST_ERRORS * gradual)
 }
 
 /// Neighbours that the surface meets tangentially: each flat one, and those along each of up to two sides of which the

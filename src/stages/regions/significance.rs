@@ -1,6 +1,6 @@
 //! Whether a surface that facets lie on is more than chance.
 
-use super::borders::{Beyond, is_bordered, straight_edges, tangent_neighbours};
+use super::borders::{ends_abruptly, is_bordered, straight_edges, tangent_neighbours};
 use super::coincidences::{independent, is_coaxial, is_extruded};
 use super::exact::ExactFacets;
 use super::growth::GrownRegion;
@@ -74,20 +74,17 @@ pub(super) fn judged(
     let sagitta = median(sagittas.collect())?;
     let error = typical_error(evidence, &growth);
     let is_exact = evidence.slack <= 1.0;
-    let beyond = Beyond::of(evidence, &growth);
     let (tests, usual) = if is_bordered && is_exact {
         (tests.of_faces, SAGITTAS_OF_TURN * sagitta)
     } else {
         (tests.of_patches, sagitta)
     };
-    let of_free_form = beyond.of_free_form().filter(|_| is_exact && !is_bordered);
-    let usual = of_free_form.map_or(usual, |misfit| usual.min(misfit * error));
     let chance = (growth.fit.worst.max(LEAST_DISTANCE) * error / usual).max(f64::MIN_POSITIVE);
     let is_chance = tests.log10() + coincidences * chance.log10() >= FALSE_ALARMS.log10();
     if coincidences < FEWEST_COINCIDENCES
         || chance >= 0.5
         || is_chance
-        || is_exact && !beyond.is_abrupt()
+        || evidence.slack <= 1.0 && !ends_abruptly(evidence, &growth)
     {
         return None;
     }
