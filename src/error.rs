@@ -225,6 +225,18 @@ pub enum CloudFault {
         /// The number of different points.
         points: usize,
     },
+    /// There are more points than fit into the memory, and their means are on no surface.
+    #[error(
+        "the cloud has {}; the means at {} fit into the memory that is allowed, but points in two layers are not averaged",
+        plural(*points, "different point"),
+        plural(*places, "place")
+    )]
+    Crowded {
+        /// The number of different points.
+        points: usize,
+        /// The number of places that fit.
+        places: usize,
+    },
     /// Not even one triangle was found.
     #[error("the points of the cloud make no triangle")]
     NoTriangle,
@@ -401,6 +413,9 @@ impl Error {
             }
             Error::Cloud(CloudFault::Outliers { .. }) => {
                 "remove what is not the surface, such as plants and reflections, from the cloud".into()
+            }
+            Error::Cloud(CloudFault::Crowded { .. }) => {
+                "allow more memory, or take a part of the cloud with `scan`, `within` or `max_points`".into()
             }
             Error::Cloud(CloudFault::NoTriangle) => {
                 "name a smaller `spacing`, or scan the surface with more points".into()

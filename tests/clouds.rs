@@ -155,6 +155,64 @@ fn a_wanted_spacing_is_kept() {
     assert!(vertices < 1.1 * most && vertices > 0.5 * most, "{vertices} of {most}");
 }
 
+/// Triangles of the means at so many places.
+fn averaged(cloud: &Points, places: usize) -> Result<Triangulation, Error> {
+    let options = Options { most_places: Some(places), ..Options::default() };
+    triangulate(cloud, &options, &mut |_| Ok(()))
+}
+
+/// Points whose noise is larger than their spacing are a ball and not a sheet among their neighbours.
+#[test]
+fn means_of_crowded_points_are_a_surface_with_its_rims() {
+    for (name, truth) in SURFACES {
+        let flaws = Flaws { outliers: 0.01, ..Flaws::default() };
+        let made = VirtualCloud::new(truth, [300; 2], 1.5, 3, flaws, number("CLOUD_SEED", 1));
+        let found = averaged(&made.cloud, 10_000).expect("the cloud is that of a surface");
+        let check = SoupCheck::new(&found.soup);
+        let what = format!("{name}: {:?} {check:?}", found.report);
+        assert!(check.is_manifold(), "{what}");
+        assert_eq!((check.components, check.loops.len()), (1, 4), "{what}");
+        assert!((5000..12_000).contains(&found.soup.points.len()), "{what}");
+        // Noise lies beyond the boundary.
+        let share = check.area / made.scan.true_area();
+        assert!((0.99..1.06).contains(&share), "{share}: {what}");
+        let error = made.scan.rms(found.soup.points.iter().copied()) / made.noise;
+        assert!(error < 0.35, "{error}: {what}");
+        let told = found.report.noise / made.noise;
+        assert!((0.95..1.05).contains(&told), "{told}: {what}");
+        let told = found.report.spacing / made.spacing;
+        assert!((0.95..1.1).contains(&told), "{told}: {what}");
+        assert!(found.report.averaged.is_some_and(|width| width > 2.5 * made.spacing), "{what}");
+        let left_out = found.vertex_of.iter().filter(|&&vertex| vertex == LEFT_OUT).count();
+        assert!(left_out >= found.report.outliers && left_out < 2500, "{left_out}: {what}");
+        let mut reversed = made.cloud.clone();
+        reversed.positions.reverse();
+        let again = threads::run(Some(1), || averaged(&reversed, 10_000)).expect("a thread");
+        assert!(again.expect("a surface").soup == found.soup, "{name} depends on the order");
+    }
+}
+
+#[test]
+fn points_of_two_sides_are_not_averaged() {
+    let mut random = Random::new(8);
+    let mut plate = |noise: f64| {
+        let point = |k: usize| {
+            let side = (k % 2) as f64;
+            [50.0 * random.uniform(), 50.0 * random.uniform(), 1.5 * side + noise * random.normal()]
+        };
+        cloud((0..40_000).map(point).collect())
+    };
+    let refused = |found: Result<Triangulation, Error>| {
+        matches!(found, Err(Error::Cloud(CloudFault::Crowded { places: 4000, .. })))
+    };
+    assert!(refused(averaged(&plate(0.02), 4000)), "layers are told by their heights");
+    let mut with_normals = plate(0.4);
+    assert!(averaged(&with_normals, 4000).is_ok(), "nothing tells the sides");
+    let normal = |k: usize| [0.0, 0.0, if k.is_multiple_of(2) { -1.0 } else { 1.0 }];
+    with_normals.normals = Some((0..40_000).map(normal).collect());
+    assert!(refused(averaged(&with_normals, 4000)), "normals tell them");
+}
+
 #[test]
 fn triangles_face_the_scanner_or_the_normals() {
     let made = VirtualCloud::new(sheet, [40; 2], 0.1, 1, Flaws::default(), 4);

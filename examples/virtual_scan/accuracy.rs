@@ -22,12 +22,13 @@ const MOST: usize = 50_000;
 /// distances in mm to the true surface of the measured points, of the smoothed points, of the
 /// points of fills, and of the trimmed face; the largest distance of the face; the tolerance and
 /// the control net.
-pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
+pub fn row(name: &str, scan: &VirtualScan, is_cloud: bool) -> Result<String, Box<dyn Error>> {
     let mut soup = Soup::default();
     soup.points.clone_from(&scan.points);
     scan.triangles.iter().for_each(|&t| soup.polygons.push(t));
     let (mut smoothed, mut filled) = (Vec::new(), Vec::new());
-    let conversion = face_seen(&soup, &Options::default(), &mut |stage| {
+    let options = Options::builder().remesh(is_cloud).build()?;
+    let conversion = face_seen(&soup, &options, &mut |stage| {
         match stage {
             Stage::Smooth(Disk { mesh, .. }) => smoothed.clone_from(&mesh.points),
             Stage::Fill(patch) => {

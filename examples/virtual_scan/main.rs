@@ -5,14 +5,14 @@
 //! cargo run --release --example virtual_scan -- NAME samples OUT
 //! cargo run --release --example virtual_scan -- NAME places OUT
 //! cargo run --release --example virtual_scan -- NAME rms POINTS
-//! cargo run --release --example virtual_scan -- NAME accuracy
+//! cargo run --release --example virtual_scan -- NAME accuracy [cloud]
 //!
 //! The first command writes the scan in mm. `samples` writes its points with their true parameters:
 //! five doubles for each point, u v x y z, as `examples/fit.rs` reads them. `places` writes 300 ×
 //! 300 parameter points: three doubles for each, u v and whether the scan has a hole there. `rms`
 //! reads points with three doubles each and prints their root mean square distance from the true
 //! surface in mm. `accuracy` converts the scan and prints the distances of the output of every
-//! stage as a row of a table.
+//! stage as a row of a table. With `cloud` it converts the points without their triangles.
 
 mod accuracy;
 #[allow(dead_code)]
@@ -52,8 +52,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("{}", scan.rms(points.into_iter()));
             Ok(())
         }
-        ["accuracy"] => {
-            println!("{}", accuracy::row(name, &scan)?);
+        ["accuracy"] | ["accuracy", "cloud"] => {
+            println!("{}", accuracy::row(name, &scan, task.len() > 1)?);
             Ok(())
         }
         [out] => {
@@ -61,7 +61,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             scan.write_ply(&mut file)?;
             Ok(file.flush()?)
         }
-        _ => Err("NAME OUT.ply | NAME samples|places OUT | NAME rms POINTS | NAME accuracy".into()),
+        _ => {
+            Err("NAME OUT.ply | NAME samples|places OUT | NAME rms POINTS | NAME accuracy [cloud]"
+                .into())
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::virtual_scan::{Star, Truth, VirtualScan, paper_scan, sheet};
 
 /// The available scans: the name, the surface, the points along a side, the noise in mm, and the
 /// holes. `grid250k` is for programs that need complete grids.
-const SCANS: [(&str, Truth, usize, f64, &[Star]); 9] = [
+const SCANS: [(&str, Truth, usize, f64, &[Star]); 10] = [
     ("paper2500", sheet, 50, 0.0, &[]),
     ("roll40k", roll, 200, 0.05, &ROLL_HOLES),
     ("relief10k", relief, 100, 0.08, &RELIEF_HOLES),
@@ -13,6 +13,7 @@ const SCANS: [(&str, Truth, usize, f64, &[Star]); 9] = [
     ("relief250k", relief, 500, 0.08, &RELIEF_HOLES),
     ("relief1m", relief, 1000, 0.08, &RELIEF_HOLES),
     ("relief4m", relief, 2000, 0.08, &RELIEF_HOLES),
+    ("relief20m", relief, 4510, 0.08, &RELIEF_HOLES),
     ("grid250k", relief, 500, 0.08, &[]),
 ];
 

@@ -93,8 +93,7 @@ impl Recorded {
 
 fn converted(scan: &Scan, named: &Options, watch: &Watch) -> Result<Conversion, Failure> {
     let begin = Instant::now();
-    check_memory(scan, named)?;
-    let Meshed { components, source, options } = meshed(scan, named, watch)?;
+    let Meshed { components, source, options } = meshed(scan, &fitting(scan, named)?, watch)?;
     let recorders = Vec::new();
     let mut recorded = Recorded { last: begin, stages: Vec::new(), recorders, component: 0 };
     let mut made = scan2step::convert(&components, &options, &mut |stage| {
@@ -118,14 +117,14 @@ fn converted(scan: &Scan, named: &Options, watch: &Watch) -> Result<Conversion, 
     Ok(Conversion { made, report, file, vertices, recorders, views })
 }
 
-/// Refuses a scan that may need more memory than the options allow.
-fn check_memory(scan: &Scan, options: &Options) -> Result<(), Failure> {
-    let Some(most) = options.max_memory() else { return Ok(()) };
+/// The same options, with which the conversion needs no more memory than they allow.
+fn fitting(scan: &Scan, options: &Options) -> Result<Options, Failure> {
+    let Some(most) = options.max_memory() else { return Ok(options.clone()) };
     let memory = match &scan.content {
         Content::Mesh(soup) => Memory::of(soup, options),
         Content::Points(cloud) => Memory::of_cloud(cloud.len(), options),
     };
-    Ok(Memory { is_drawn: true, may_be_body: true, ..memory }.check(most)?)
+    Ok(options.fitting(&Memory { is_drawn: true, may_be_body: true, ..memory }, most)?)
 }
 
 /// Looks at a scan. Returns the JSON text of the program's `inspect --json`.

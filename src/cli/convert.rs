@@ -38,8 +38,12 @@ pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     progress.ended("read", &messages::came_in(&scan));
     scan.notes.iter().for_each(|note| progress.say(&format!("read: {note}")));
     let named = settings::options(args)?;
-    check_memory(args, &scan, &named)?;
-    let options = scan.resolved(&named)?;
+    let fitting = fitting(args, &scan, &named)?;
+    if let Some(places) = fitting.most_places() {
+        let places = plural(places, "place");
+        progress.say(&format!("memory: --max-memory allows the means of the points at {places}"));
+    }
+    let options = scan.resolved(&fitting)?;
     let (scan, components) = mesh(scan, &options, &mut progress, &mut stages)?;
     messages::assumed(&progress, &scan);
     messages::cloud(&progress, &scan);
@@ -155,9 +159,9 @@ pub(super) fn output(path: &Path, file: &Pending) -> OutputFile {
     OutputFile { file: streams::shown(path), bytes: file.bytes, sha256: file.sha256.clone() }
 }
 
-/// Refuses a run that may need more memory than the user allows.
-fn check_memory(args: &Convert, scan: &ReadScan, options: &Options) -> Result<(), Failure> {
-    let Some(allowed) = args.manner.max_memory else { return Ok(()) };
+/// The same options, with which the run needs no more memory than the user allows.
+fn fitting(args: &Convert, scan: &ReadScan, options: &Options) -> Result<Options, Failure> {
+    let Some(allowed) = args.manner.max_memory else { return Ok(options.clone()) };
     let ScanSource { vertices, triangles, cloud, .. } = &scan.source;
     let memory = match cloud {
         Some(_) => Memory::of_cloud(*vertices, options),
@@ -165,7 +169,7 @@ fn check_memory(args: &Convert, scan: &ReadScan, options: &Options) -> Result<()
     };
     let may_be_body = args.how.shape != ShapeChoice::Face;
     let memory = Memory { is_drawn: is_drawn(args), may_be_body, ..memory };
-    memory.check(allowed.as_u64()).map_err(|e| input::stopped(&scan.path, &e))
+    options.fitting(&memory, allowed.as_u64()).map_err(|e| input::stopped(&scan.path, &e))
 }
 
 /// Whether a report shows the scan.

@@ -104,6 +104,12 @@ pub fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
             mm(distance)
         ));
     }
+    if let Some(distance) = mesh.averaged_mm {
+        progress.say(&format!(
+            "points: averaged to places {} apart, as the noise allows",
+            mm(distance)
+        ));
+    }
     if mesh.outliers > 0 {
         progress.say(&format!("points: {} left out", plural(mesh.outliers, "outlier")));
     }

@@ -48,7 +48,8 @@ pub(super) fn body(
     let is_clean = !goal.named && !smooth.is_noisy;
     let facets = if is_clean { goal::of_facets(&measured.mesh) } else { 0.0 };
     measured.mesh.triangles = Vec::new();
-    let patch = Patch { stand_ins, ..patch };
+    let points = scan.point_counts(&measured.mesh.points, stand_ins.as_ref());
+    let patch = Patch { stand_ins, points, ..patch };
     watch(Stage::Fill(&patch))?;
 
     let face_options = FaceOptions {

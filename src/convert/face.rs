@@ -46,7 +46,8 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     drop(means);
     drop(rough);
     measured.mesh.triangles = Vec::new();
-    let patch = Patch { stand_ins, ..patch };
+    let points = scan.point_counts(&measured.mesh.points, stand_ins.as_ref());
+    let patch = Patch { stand_ins, points, ..patch };
     watch(Stage::Fill(&patch))?;
 
     let (mut map, parameterize) = parameterize::parameterize_with(

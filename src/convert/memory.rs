@@ -5,6 +5,7 @@ use formats::{Scene, Soup};
 
 use super::Options;
 use crate::error::{Error, Result};
+use crate::stages::cloud;
 
 /// The counts that decide how much memory a conversion takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +18,8 @@ pub struct Memory {
     pub points: usize,
     /// The largest number of control points that the fit may use.
     pub control_points: usize,
+    /// Whether means of the points are meshed ([`Options::fitting`]), and not the points.
+    pub is_averaged: bool,
     /// Whether a report draws the scan, too: a page or a picture.
     pub is_drawn: bool,
     /// Whether the scan may become a solid or a shell.
@@ -34,6 +37,11 @@ const TRIANGLE: u64 = 1_000;
 /// The same for each point of a cloud that stays while its mesh is converted: its place, its vertex and
 /// its distance from the face. Making the mesh takes less than the stages after it.
 const VERTEX: u64 = 200;
+/// The same for each point of a cloud of which means are meshed. Measured: 125 for 20 million points.
+const AVERAGED_POINT: u64 = 160;
+
+/// Fewer places than these are not chosen to save memory.
+const LEAST_PLACES: usize = 10_000;
 
 /// Bytes for each triangle if a report draws the scan, and for its picture whatever the scan is.
 /// Measured for the picture: 153 MB.
@@ -62,6 +70,7 @@ impl Memory {
             vertices,
             triangles,
             points: 0,
+            is_averaged: false,
             control_points,
             is_drawn: false,
             may_be_body: false,
@@ -99,12 +108,19 @@ impl Memory {
         let parts = [
             picture,
             if self.may_be_body { BODY } else { 0 },
-            each(self.points, VERTEX),
+            each(self.points, if self.is_averaged { AVERAGED_POINT } else { VERTEX }),
             each(self.triangles, TRIANGLE + drawn),
             each(self.vertices, VERTEX),
             each(self.control_points, CONTROL_POINT),
         ];
         parts.into_iter().fold(PROGRAM, u64::saturating_add)
+    }
+
+    /// The same for a cloud of which the means at so many places are meshed.
+    fn averaged(&self, places: usize, options: &Options) -> Self {
+        let of_means = Memory::of_counts([places, places.saturating_mul(2)], options);
+        let &Memory { points, is_drawn, may_be_body, .. } = self;
+        Memory { points, is_averaged: true, is_drawn, may_be_body, ..of_means }
     }
 
     /// Refuses a conversion that may need more bytes than allowed.
@@ -119,6 +135,27 @@ impl Memory {
                 Err(Error::MaxMemory { needed, allowed, vertices, triangles, control_points })
             }
         }
+    }
+}
+
+impl Options {
+    /// The same for a conversion that may need `memory`, and is allowed so many bytes. If the points of a cloud may need
+    /// more, their means at fewer places are meshed: at as many as fit.
+    ///
+    /// # Errors
+    /// [`Error::MaxMemory`]: a mesh may need more, or a cloud even with its means at 10,000 places.
+    pub fn fitting(&self, memory: &Memory, allowed: u64) -> Result<Options> {
+        let fits = |places: usize| memory.averaged(places, self).bytes() <= allowed;
+        if memory.bytes() <= allowed || memory.points <= LEAST_PLACES || !fits(LEAST_PLACES) {
+            return memory.check(allowed).map(|()| self.clone());
+        }
+        let (mut few, mut many) = (LEAST_PLACES, memory.points);
+        while many - few > 1 {
+            let middle = few.midpoint(many);
+            *(if fits(middle) { &mut few } else { &mut many }) = middle;
+        }
+        let cloud = cloud::Options { most_places: Some(few), ..self.cloud.clone() };
+        Ok(Options { cloud, ..self.clone() })
     }
 }
 
@@ -164,6 +201,20 @@ mod tests {
         assert!(refused.starts_with("may need 65.5 MB for 4000 vertices"), "{refused}");
         let drawn = Memory { is_drawn: true, ..memory };
         assert_eq!(drawn.bytes(), needed + 170_000_000 + 7657 * 300);
+    }
+
+    #[test]
+    fn a_cloud_is_averaged_at_as_many_places_as_fit() {
+        let options = Options::default();
+        let memory = Memory::of_cloud(1_000_000, &options);
+        let places = |allowed| options.fitting(&memory, allowed).map(|o| o.cloud.most_places);
+        assert_eq!(places(memory.bytes()).unwrap(), None);
+        let fitting = places(1_000_000_000).unwrap().unwrap();
+        assert!(memory.averaged(fitting, &options).bytes() <= 1_000_000_000);
+        assert!(memory.averaged(fitting + 1, &options).bytes() > 1_000_000_000);
+        assert!(places(200_000_000).is_err());
+        let mesh = Memory::of_counts([1_000_000, 2_000_000], &options);
+        assert!(options.fitting(&mesh, 1_000_000_000).is_err());
     }
 
     #[test]

@@ -84,9 +84,10 @@ pub fn convert<'a>(
             (None, options.clone())
         }
     };
-    if let (Some(memory), Some(most)) = (memory, options.max_memory) {
-        memory.check(most)?;
-    }
+    let options = match (memory, options.max_memory) {
+        (Some(memory), Some(most)) => options.fitting(&memory, most)?,
+        _ => options,
+    };
     threads::run(options.threads, || match scan {
         Scan::Mesh(soup) => {
             let (components, colour) = (mesh_components(&soup, &options)?, soup.colour);

@@ -12,6 +12,7 @@ use super::disk::Outer;
 use super::handles::{self, Handle};
 use super::islands::{self, IslandCandidate};
 use super::raw_points::{FacePoints, RawPoints};
+use super::stand_ins::StandIns;
 use super::topology::Topology;
 use super::vertices::VertexMap;
 use super::{Disk, EdgeMap, Mesh, rims};
@@ -217,6 +218,18 @@ impl Components {
             Some(raw) => raw.of_face(&map),
             None => FacePoints { points: vertices.into(), vertex_of: None, map },
         }
+    }
+
+    /// For each of these vertices of a face, or for each that stands for some of them, the number of points of the
+    /// cloud that it stands for. `None` if the mesh was not made of a cloud.
+    pub(crate) fn point_counts(
+        &self,
+        vertices: &[Point],
+        stand_ins: Option<&StandIns>,
+    ) -> Option<Vec<f64>> {
+        let raw = self.raw.as_ref()?;
+        let counts = raw.counts(&VertexMap::new(&self.build, vertices), vertices.len());
+        Some(stand_ins.map_or(counts.clone(), |stand_ins| stand_ins.sums(&counts)))
     }
 
     /// A disk of the scan with its vertices where they were measured. In a mesh of a cloud they are

@@ -31,6 +31,7 @@ impl Patch {
             rims: Vec::new(),
             islands: Vec::new(),
             stand_ins: None,
+            points: None,
         }
     }
 

@@ -307,6 +307,7 @@ pub(crate) mod tests {
             rims: Vec::new(),
             islands: Vec::new(),
             stand_ins: None,
+            points: None,
             mesh: Mesh { points: points.collect(), triangles },
         }
     }

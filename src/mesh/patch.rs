@@ -40,6 +40,8 @@ pub struct Patch {
     /// The vertices of the scan for which the measured vertices stand, if the patch has fewer of them
     /// than the scan.
     pub stand_ins: Option<StandIns>,
+    /// For each measured vertex the number of points of the cloud for which it stands, if the mesh was made of one.
+    pub points: Option<Vec<f64>>,
 }
 
 impl Patch {
@@ -48,11 +50,13 @@ impl Patch {
         Patch { mesh: self.mesh.scaled(factor), ..self }
     }
 
-    /// For each measured vertex the number of vertices of the scan for which it stands.
+    /// For each measured vertex how much was measured there: the number of points of the cloud or of vertices of the scan
+    /// for which it stands.
     pub(crate) fn counts(&self) -> Vec<f64> {
-        match &self.stand_ins {
-            Some(stand_ins) => stand_ins.counts().to_vec(),
-            None => vec![1.0; self.measured],
+        match (&self.points, &self.stand_ins) {
+            (Some(points), _) => points.clone(),
+            (None, Some(stand_ins)) => stand_ins.counts().to_vec(),
+            (None, None) => vec![1.0; self.measured],
         }
     }
 
@@ -92,6 +96,7 @@ impl Patch {
             rims: self.rims.clone(),
             islands: self.islands.clone(),
             stand_ins: self.stand_ins.clone(),
+            points: self.points.clone(),
         })
     }
 

@@ -91,6 +91,17 @@ impl RawPoints {
         }
     }
 
+    /// The number of points of each of `count` vertices that are found in `vertices`.
+    pub(super) fn counts(&self, vertices: &VertexMap, count: usize) -> Vec<f64> {
+        let mut counts = vec![0.0; count];
+        for &vertex in &self.vertex_of {
+            if let Some(vertex) = vertices.point_of(vertex as usize) {
+                counts[vertex] += 1.0;
+            }
+        }
+        counts
+    }
+
     /// The points of the face whose vertices are found in `vertices`.
     pub(super) fn of_face(&self, vertices: &VertexMap) -> FacePoints<'static> {
         let (mut points, mut vertex_of) = (Vec::new(), Vec::new());

@@ -25,6 +25,13 @@ impl StandIns {
         &self.vertex_of
     }
 
+    /// The sum of a value of the vertices of the scan for which each measured vertex stands.
+    pub(crate) fn sums(&self, of_scan: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.counts.len()];
+        self.vertex_of.iter().zip(of_scan).for_each(|(&v, value)| sums[v as usize] += value);
+        sums
+    }
+
     /// A value of each measured vertex, for each vertex of the scan for which it stands.
     pub(crate) fn of_scan<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.vertex_of.iter().map(|&v| values[v as usize]).collect()

@@ -52,6 +52,8 @@ pub struct CloudMeshFigures {
     pub noise_mm: f64,
     /// The distance between two layers of points, as those of a thin wall, which are not joined.
     pub layers_mm: Option<f64>,
+    /// The distance of the places whose means stand for the points, if these are much denser than their noise lets tell.
+    pub averaged_mm: Option<f64>,
     /// Points that were left out as outliers.
     pub outliers: usize,
     /// Points at the place of another one.
@@ -92,6 +94,7 @@ impl CloudMeshFigures {
             spacing_mm: mm * report.spacing,
             noise_mm: mm * report.noise,
             layers_mm: report.layers.map(|distance| mm * distance),
+            averaged_mm: report.averaged.map(|distance| mm * distance),
             outliers: report.outliers,
             duplicates: report.duplicates,
         }

@@ -145,6 +145,12 @@ impl Options {
         Options { shape: Some(shape), ..self.clone() }
     }
 
+    /// The largest number of places whose means are meshed in place of the points of a cloud, if memory bounds it
+    /// ([`Options::fitting`]).
+    pub fn most_places(&self) -> Option<usize> {
+        self.cloud.most_places
+    }
+
     /// The part's name.
     pub fn name(&self) -> &str {
         &self.name

@@ -19,7 +19,7 @@ pub(super) const AROUND: usize = 4;
 
 /// Normals are those of a surface with two sides, and do not face any way, if this share of the points that face
 /// the opposite way is on one side. Half of them is if normals have no side.
-const ONE_SIDE: f64 = 0.9;
+pub(super) const ONE_SIDE: f64 = 0.9;
 
 /// How points are told from those of another layer.
 enum Distinction {

@@ -7,6 +7,7 @@
 //! Boltcheva, Lévy 2017), and those are taken on which neighbours agree. The surface goes through
 //! the middle of layers, and nothing has to be known about normals or radii.
 
+mod average;
 mod close;
 mod grid;
 mod layers;
@@ -18,6 +19,7 @@ mod order;
 mod outliers;
 mod project;
 mod quadric;
+mod rims;
 mod scattered;
 mod select;
 mod sides;
@@ -78,6 +80,9 @@ pub struct Report {
     pub noise: f64,
     /// The distance between two layers of points, of which each has a surface of its own.
     pub layers: Option<f64>,
+    /// The distance of the places whose means stand for the points, if the points are much denser than their noise
+    /// lets tell.
+    pub averaged: Option<f64>,
     /// The number of neighbours from which the surface at a point was found.
     pub neighbours: usize,
     /// The vertices of the soup.

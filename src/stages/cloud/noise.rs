@@ -16,10 +16,10 @@ pub(super) const COUNTS: [usize; 3] = [24, 48, 96];
 
 /// The radius of a neighbourhood must be this many standard deviations of the noise. Below 4 the
 /// points are a ball and not a disk, and normals are lost; more smooths more than is needed.
-const LEAST_RADIUS: f64 = 5.0;
+pub(super) const LEAST_RADIUS: f64 = 5.0;
 
 /// The share of the places at which the radius may be less.
-const NARROW: f64 = 0.1;
+pub(super) const NARROW: f64 = 0.1;
 
 /// The number of places at which the noise is measured. The median over them is 2 % off.
 const PLACES: usize = 4000;
@@ -50,14 +50,35 @@ fn relative_radius(points: &[Point], layers: &Layers<'_>, count: usize) -> Optio
     for i in sample(points.len()) {
         let own = points[i];
         layers.list(i, count, &mut search);
-        let list = &search.list;
-        let radius = farthest(own, points, list);
-        let surface = first(own, points, list, &mut rows);
-        let others = list.iter().map(|&j| points[j as usize]);
-        let variance = rows.variance(surface.place, surface.normal, radius, others);
-        ratios.extend(variance.map(|v| radius / v.sqrt()));
+        ratios.extend(Around::of(own, points, &search.list, &mut rows).map(|found| found.ratio()));
     }
     quantile(&mut ratios, NARROW)
+}
+
+/// What the points in a list tell about the surface at a place.
+pub(super) struct Around {
+    /// The distance of the farthest of them.
+    radius: f64,
+    /// The variance of their noise along the normal.
+    pub variance: f64,
+    /// The mean curvature of the surface.
+    pub curvature: f64,
+}
+
+impl Around {
+    /// `None` if the points are too few or too uneven to tell.
+    pub fn of(own: Point, points: &[Point], list: &[u32], rows: &mut QuadricRows) -> Option<Self> {
+        let radius = farthest(own, points, list);
+        let surface = first(own, points, list, rows);
+        let others = list.iter().map(|&j| points[j as usize]);
+        let variance = rows.variance(surface.place, surface.normal, radius, others)?;
+        Some(Around { radius, variance, curvature: rows.mean_curvature(radius)? })
+    }
+
+    /// The radius in standard deviations of the noise.
+    pub fn ratio(&self) -> f64 {
+        self.radius / self.variance.sqrt()
+    }
 }
 
 /// Some of `count` numbers, evenly spaced.

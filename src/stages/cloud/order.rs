@@ -18,6 +18,15 @@ pub(super) struct Ordered {
     pub number: Vec<u32>,
     /// What takes `points` back to the coordinates of the cloud.
     pub frame: WorkFrame,
+    grid: MortonGrid,
+}
+
+/// The cubic grid along which points are ordered.
+#[derive(Debug, Clone, Copy)]
+struct MortonGrid {
+    low: Point,
+    /// Cells in a unit of length.
+    scale: f64,
 }
 
 /// The map from the coordinates of the cloud to those of the work: times a power of two, then
@@ -74,15 +83,9 @@ impl Ordered {
     pub fn new(positions: &[[f64; 3]]) -> Self {
         let frame = WorkFrame::new(positions);
         let at = |i: u32| frame.inward(positions[i as usize]);
-        let [low, high] = bounds((0..positions.len() as u32).map(at));
-        let extent = (high - low).amax();
-        let scale = if extent > 0.0 { f64::from(CELLS) / extent } else { 0.0 };
-        let code = |i: u32| {
-            let cell = (at(i) - low) * scale;
-            (0..3).map(|k| spread(cell[k] as u64) << k).sum::<u64>()
-        };
+        let grid = MortonGrid::new((0..positions.len() as u32).map(at));
         let mut sorted: Vec<(u64, u32)> =
-            (0..positions.len() as u32).into_par_iter().map(|i| (code(i), i)).collect();
+            (0..positions.len() as u32).into_par_iter().map(|i| (grid.code(&at(i)), i)).collect();
         let place = |i: u32| positions[i as usize];
         let by_place = |i: u32, j: u32| {
             let (a, b) = (place(i), place(j));
@@ -95,6 +98,7 @@ impl Ordered {
             first: Vec::with_capacity(positions.len()),
             number: vec![0; positions.len()],
             frame,
+            grid,
         };
         for (_, i) in sorted {
             if ordered.first.last().is_none_or(|&last| place(last) != place(i)) {
@@ -105,10 +109,38 @@ impl Ordered {
         }
         ordered
     }
+
+    /// The first point in each cube that holds points, and the edge of the cubes: the longest one that is not longer
+    /// than asked. Halves of the extent of the cloud are tried.
+    pub fn cubes(&self, longest: f64) -> (Vec<u32>, f64) {
+        let levels = (longest * self.grid.scale).log2().floor().clamp(0.0, LEVELS) as u32;
+        let cube = |i: usize| self.grid.code(&self.points[i]) >> (3 * levels);
+        let is_first = |&i: &usize| i == 0 || cube(i) != cube(i - 1);
+        let numbers = (0..self.points.len()).into_par_iter();
+        let first = numbers.filter(is_first).map(|i| i as u32).collect();
+        (first, f64::from(1 << levels) / self.grid.scale)
+    }
+}
+
+impl MortonGrid {
+    fn new(points: impl Iterator<Item = Point>) -> Self {
+        let [low, high] = bounds(points);
+        let extent = (high - low).amax();
+        MortonGrid { low, scale: if extent > 0.0 { f64::from(CELLS) / extent } else { 0.0 } }
+    }
+
+    /// The place of a point in the order.
+    fn code(&self, point: &Point) -> u64 {
+        let cell = (point - self.low) * self.scale;
+        (0..3).map(|k| spread(cell[k] as u64) << k).sum()
+    }
 }
 
 /// The largest cell along an axis: of cells up to it, three numbers fit a u64.
 pub(super) const CELLS: u32 = (1 << 21) - 1;
+
+/// The number of times that the cells can be doubled.
+const LEVELS: f64 = 20.0;
 
 /// The 21 lowest bits, each three places after the last one.
 fn spread(x: u64) -> u64 {

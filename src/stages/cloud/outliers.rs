@@ -12,7 +12,7 @@ const EIGHTH: usize = 8;
 
 /// A point with a spacing of more than this multiple of its neighbours' is lonely. At a boundary
 /// the spacing is √2 times as large, at the corner of a sheet twice.
-const LONELY: f64 = 2.5;
+pub(super) const LONELY: f64 = 2.5;
 
 /// The spacing at each point: the distance at which an even cloud would have its next point.
 /// A disk of radius d₈ holds 8 points; a square cell of side h holds one.

@@ -133,6 +133,12 @@ impl QuadricRows {
         (freedom > NEGLIGIBLE * total).then(|| radius * radius * squares / freedom)
     }
 
+    /// The mean curvature of the quadric over the rows of the last fit. `None` if they do not determine it.
+    pub(super) fn mean_curvature(&self, radius: f64) -> Option<f64> {
+        let (_, c) = self.system::<6>()?;
+        Some((c[3] + c[5]) / radius)
+    }
+
     /// The factor of the normal equations of the first N monomials, and the coefficients.
     fn system<const N: usize>(&self) -> Option<(Cholesky<f64, Const<N>>, SVector<f64, N>)>
     where

@@ -2,6 +2,7 @@
 
 use formats::{Points, Soup};
 
+use super::average::Averaged;
 use super::layers::{self, AreJoined, Layers};
 use super::manifold::ManifoldMesh;
 use super::nearest_lists::NearestLists;
@@ -40,20 +41,43 @@ struct SurfacePoints {
     suspect: Vec<bool>,
 }
 
-/// Makes triangles of points without a grid.
+/// Makes triangles of points without a grid. Where they are too dense, triangles are made of the means of cells.
 pub(super) fn triangulate(
     cloud: &Points,
     options: &Options,
     progress: &mut Progress,
 ) -> Result<Triangulation> {
     let ordered = Ordered::new(&cloud.positions);
+    let points = ordered.points.len();
+    match (Averaged::new(cloud, &ordered, options), options.most_places) {
+        (None, Some(places)) if points > places => {
+            Err(Error::Cloud(CloudFault::Crowded { points, places }))
+        }
+        (None, _) => of_points(cloud, &ordered, &|_| 1, options, progress),
+        (Some(averaged), _) => {
+            let means = Ordered::new(&averaged.means.positions);
+            let count = |mean: usize| averaged.count[mean] as usize;
+            let made = of_points(&averaged.means, &means, &count, options, progress)?;
+            Ok(averaged.of_cloud(made, cloud, &ordered))
+        }
+    }
+}
+
+/// Makes triangles of points, each of which stands for `count` measured ones.
+fn of_points(
+    cloud: &Points,
+    ordered: &Ordered,
+    count: &dyn Fn(usize) -> usize,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<Triangulation> {
     let points = &ordered.points;
     if points.len() < LEAST_POINTS {
         let fault =
             if points.len() > 1 { CloudFault::Few(points.len()) } else { CloudFault::OnePlace };
         return Err(Error::Cloud(fault));
     }
-    let found = SurfacePoints::new(cloud, &ordered, progress)?;
+    let found = SurfacePoints::new(cloud, ordered, progress)?;
     let deviation = noise::deviation(points, &found.lists, &found.surface, &found.suspect);
     let apart = options.spacing.map_or(0.0, |spacing| ordered.frame.work_length(spacing));
     let kept = KeptPoints::new(
@@ -65,17 +89,21 @@ pub(super) fn triangulate(
         apart,
     );
     let spacing = found.spacing_along_surface();
+    let measured_in = |is_counted: &dyn Fn(usize) -> bool| {
+        let counted = (0..points.len()).filter(|&i| is_counted(i));
+        counted.map(|i| count(ordered.first[i] as usize)).sum::<usize>()
+    };
     let mut report = Report {
         points: cloud.len(),
         duplicates: cloud.len() - points.len(),
-        outliers: found.outlier.iter().filter(|is| **is).count(),
+        outliers: measured_in(&|i| found.outlier[i]),
         spacing: ordered.frame.length(spacing),
         noise: ordered.frame.length(deviation),
         layers: found.layers.map(|distance| ordered.frame.length(distance)),
         neighbours: found.lists.count(),
         ..Report::default()
     };
-    report.thinned = points.len() - report.outliers - kept.points.len();
+    report.thinned = measured_in(&|_| true) - report.outliers - kept.points.len();
     // A triangle has three vertices.
     if kept.points.len() < 3 {
         return Err(Error::Cloud(CloudFault::NoTriangle));
@@ -89,7 +117,7 @@ pub(super) fn triangulate(
     progress(7.0 / 10.0)?;
     let mut mesh = mesh_of(&vertices, (&kept, lists.as_ref()), &mut report, progress)?;
     sides::face_scanner(&mut mesh, cloud, &ordered.first, &kept.points);
-    Ok(finished(cloud, &ordered, (&kept, &measured), &mesh, report))
+    Ok(finished(cloud, ordered, (&kept, &measured), &mesh, report))
 }
 
 impl SurfacePoints {

@@ -48,7 +48,7 @@ pub(super) fn facing(
         };
         return Some(ordered.first.iter().map(of).collect());
     }
-    if cloud.scans.iter().filter(|scan| scan.viewpoint.is_some()).count() < 2 {
+    if !are_known(cloud) {
         return None;
     }
     let of = |found: &mut Vec<(u32, f64)>, i: usize| {
@@ -65,8 +65,14 @@ pub(super) fn facing(
     Some((0..ordered.points.len()).into_par_iter().map_init(Vec::new, of).collect())
 }
 
+/// Whether points of two sides of a sheet can be told: by their normals, or because several scanners saw them.
+pub(super) fn are_known(cloud: &Points) -> bool {
+    let viewpoints = || cloud.scans.iter().filter(|scan| scan.viewpoint.is_some());
+    cloud.normals.is_some() || viewpoints().count() > 1
+}
+
 /// A direction on the outer side of the surface at a point, if the cloud tells one.
-fn outward(cloud: &Points, point: usize) -> Option<Vector> {
+pub(super) fn outward(cloud: &Points, point: usize) -> Option<Vector> {
     let scan = cloud.scans.iter().find(|scan| scan.points.contains(&point));
     let scanner = scan.and_then(|scan| scan.viewpoint);
     let to_scanner = scanner.map(|s| Vector::from(s) - Vector::from(cloud.positions[point]));

@@ -52,6 +52,7 @@ fn sheet() -> Parameterized {
         rims: Vec::new(),
         islands: Vec::new(),
         stand_ins: None,
+        points: None,
     };
     let uv = (0..N * N).map(|v| Uv::new(wave(at(v).0), wave(at(v).1))).collect();
     Parameterized { patch, uv, outline: Outline::Sides, scaffold: Scaffold::default() }

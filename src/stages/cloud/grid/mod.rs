@@ -49,7 +49,7 @@ pub enum GridUse {
     Doubted(GridDoubt),
     /// The grids are not followed, because the cloud has several scans.
     Several,
-    /// The grid is not followed, because another spacing was named.
+    /// The grid is not followed, because another spacing was named, or fewer points are to be meshed.
     OtherSpacing,
 }
 
@@ -66,7 +66,8 @@ pub(super) fn triangulate_grid(
         scans if scans.iter().all(|scan| scan.grid.is_none()) => return Err(GridUse::Absent),
         _ => return Err(GridUse::Several),
     };
-    if options.spacing.is_some() {
+    let is_crowded = options.most_places.is_some_and(|most| cloud.len() > most);
+    if options.spacing.is_some() || is_crowded {
         return Err(GridUse::OtherSpacing);
     }
     let frame = WorkFrame::new(&cloud.positions);

@@ -52,8 +52,18 @@ fn is_disk(mesh: &Mesh, outer: &Loop) -> bool {
     let (mesh, outer, measured) = (mesh.clone(), outer.clone(), mesh.points.len());
     let (measured_outer, rims, islands) = (None, Vec::new(), Vec::new());
     turned == outer
-        && Patch { mesh, measured, origin, outer, measured_outer, rims, islands, stand_ins: None }
-            .is_disk()
+        && Patch {
+            mesh,
+            measured,
+            origin,
+            outer,
+            measured_outer,
+            rims,
+            islands,
+            stand_ins: None,
+            points: None,
+        }
+        .is_disk()
 }
 
 #[test]
@@ -157,8 +167,17 @@ fn a_map_without_bays_opens_those_that_were_closed() {
     let measured = mesh.points.len();
     let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
     let (measured_outer, rims, islands) = (None, Vec::new(), Vec::new());
-    let patch =
-        Patch { mesh, measured, origin, outer, measured_outer, rims, islands, stand_ins: None };
+    let patch = Patch {
+        mesh,
+        measured,
+        origin,
+        outer,
+        measured_outer,
+        rims,
+        islands,
+        stand_ins: None,
+        points: None,
+    };
     let (closed, bays) = close(patch.clone(), None);
     assert!(bays.count == 4 && bays.added_triangles > 0);
     // On the map the boundary is a circle.
