@@ -179,7 +179,7 @@ fn means_of_crowded_points_are_a_surface_with_its_rims() {
         let error = made.scan.rms(found.soup.points.iter().copied()) / made.noise;
         assert!(error < 0.35, "{error}: {what}");
         let told = found.report.noise / made.noise;
-        assert!((0.95..1.05).contains(&told), "{told}: {what}");
+        assert!((0.9..1.1).contains(&told), "{told}: {what}");
         let told = found.report.spacing / made.spacing;
         assert!((0.95..1.1).contains(&told), "{told}: {what}");
         assert!(found.report.averaged.is_some_and(|width| width > 2.5 * made.spacing), "{what}");

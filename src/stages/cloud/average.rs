@@ -54,9 +54,6 @@ const ROUNDS: usize = 3;
 /// The cells among which the one of a point is looked for. A cell of an even packing has six neighbours.
 const NEARBY: usize = 12;
 
-/// The share of points on the far side of a sheet from which on cells would join the sides of a plate.
-const FAR_SIDE: f64 = 0.1;
-
 /// What places in a cloud tell about it, in the lengths of the work.
 struct Sampled {
     noise: f64,
@@ -94,9 +91,9 @@ impl Averaged {
         let sampled = Sampled::new(ordered)?;
         let Sampled { noise: deviation, spacing, .. } = sampled;
         let named = options.spacing.map(|spacing| ordered.frame.work_length(spacing));
-        let told = sampled.width(count).min(named.unwrap_or(f64::INFINITY));
-        let is_worth = told >= LEAST_POINTS.sqrt() * spacing;
-        let width = if is_worth { told } else { 0.0 }.max(spacing * (count / most).sqrt());
+        let hidden = sampled.width(count).min(named.unwrap_or(f64::INFINITY));
+        let is_worth = hidden >= LEAST_POINTS.sqrt() * spacing;
+        let width = if is_worth { hidden } else { 0.0 }.max(spacing * (count / most).sqrt());
         if width <= spacing {
             return None;
         }
@@ -201,10 +198,6 @@ impl Cubes {
         self.bounds[cube] as usize..self.bounds[cube + 1] as usize
     }
 
-    fn count(&self, cube: usize) -> usize {
-        self.points(cube).len()
-    }
-
     /// What is found around some places, with the radius in standard deviations of the noise, which few places fall
     /// short of. `None` if there is no noise, if there are two layers, or if few places tell anything.
     fn sampled(&self, ordered: &Ordered, radius: f64) -> Option<(f64, Sampled)> {
@@ -261,42 +254,66 @@ impl Cells {
     fn new(ordered: &Ordered, width: f64, upright: f64) -> Self {
         let (first, edge) = ordered.cubes(width);
         let cubes = Cubes::new(ordered, first, edge);
-        let mut cells = Cells { of: Vec::new(), means: middles(&cubes, width), count: Vec::new() };
+        let mut cells = Cells::around_full_cubes(&cubes, width);
         for _ in 0..ROUNDS {
-            cells.assign(ordered, &cubes, upright);
+            cells.assign(ordered, upright);
         }
         cells
     }
 
-    /// Puts every point into the cell with the nearest mean, and takes the means of these.
-    fn assign(&mut self, ordered: &Ordered, cubes: &Cubes, upright: f64) {
+    /// Cells around places that are at least `width` apart: the means of the fullest cubes, which are in the middle of
+    /// the noise.
+    fn around_full_cubes(cubes: &Cubes, width: f64) -> Self {
+        let mut order: Vec<usize> = (0..cubes.means.len()).collect();
+        order.sort_by_key(|&cube| std::cmp::Reverse(cubes.points(cube).len()));
+        let (mut middle_of, mut middles) = (vec![LEFT_OUT; order.len()], Vec::new());
+        let mut found = Vec::new();
+        for cube in order {
+            if middle_of[cube] == LEFT_OUT {
+                middles.push(cube);
+                cubes.near.within(cubes.means[cube], width, &mut found);
+                for &other in &found {
+                    let middle = &mut middle_of[other as usize];
+                    *middle = if *middle == LEFT_OUT { cube as u32 } else { *middle };
+                }
+            }
+        }
+        // Cells that follow each other are near each other, as points are.
+        middles.sort_unstable();
+        let mut number = vec![LEFT_OUT; middle_of.len()];
+        (0..).zip(&middles).for_each(|(cell, &cube)| number[cube] = cell);
+        let points = (0..middle_of.len()).flat_map(|cube| {
+            let cell = number[middle_of[cube] as usize];
+            cubes.points(cube).map(move |_| cell)
+        });
+        let of = points.collect();
+        let means = middles.into_iter().map(|cube| cubes.means[cube]).collect();
+        Cells { of, means, count: Vec::new() }
+    }
+
+    /// Puts every point into that of the cells around its own which is nearest, and takes the means of these.
+    fn assign(&mut self, ordered: &Ordered, upright: f64) {
         let near = Neighbours::new(&self.means);
         let means = &self.means;
-        let normal = |found: &mut Vec<(u32, f64)>, cell: usize| {
+        let around = |found: &mut Vec<(u32, f64)>, cell: usize| {
             near.nearest_n(means[cell], NEARBY, found);
-            let around = found.iter().map(|&(of, _)| (1.0, means[of as usize] - means[cell]));
-            PrincipalPlane::fit(around).normal
+            let list = std::array::from_fn(|k| found.get(k).map_or(cell as u32, |f| f.0));
+            let places = found.iter().map(|&(of, _)| (1.0, means[of as usize] - means[cell]));
+            (list, PrincipalPlane::fit(places).normal)
         };
-        let normals: Vec<Vector> =
-            (0..means.len()).into_par_iter().map_init(Vec::new, normal).collect();
-        let normals = &normals;
-        let nearest = |cube: usize| {
-            let mut found = Vec::new();
-            near.nearest_n(cubes.means[cube], NEARBY, &mut found);
-            let cell = move |i: usize| {
-                let squared = |of: u32| {
-                    let (d, normal) =
-                        (ordered.points[i] - means[of as usize], normals[of as usize]);
-                    let height = d.dot(&normal);
-                    let beyond = (height.abs() - upright).max(0.0);
-                    (d - height * normal).norm_squared() + beyond * beyond
-                };
-                let distances = found.iter().map(|&(of, _)| (squared(of), of));
-                distances.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, of)| of)
+        let around: Vec<([u32; NEARBY], Vector)> =
+            (0..means.len()).into_par_iter().map_init(Vec::new, around).collect();
+        let nearest = |(point, cell): (&Point, &u32)| {
+            let squared = |&of: &u32| {
+                let (d, normal) = (point - means[of as usize], around[of as usize].1);
+                let height = d.dot(&normal);
+                let beyond = (height.abs() - upright).max(0.0);
+                (d - height * normal).norm_squared() + beyond * beyond
             };
-            cubes.points(cube).map(cell)
+            let distances = around[*cell as usize].0.iter().map(|of| (squared(of), *of));
+            distances.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(*cell, |(_, of)| of)
         };
-        let of: Vec<u32> = (0..cubes.means.len()).into_par_iter().flat_map_iter(nearest).collect();
+        let of: Vec<u32> = ordered.points.par_iter().zip(&self.of).map(nearest).collect();
         let mut sums = vec![(Vector::zeros(), 0_u32); self.means.len()];
         for (&cell, point) in of.iter().zip(&ordered.points) {
             let (sum, count) = &mut sums[cell as usize];
@@ -334,7 +351,8 @@ impl Cells {
             }
         }
         // Normals of noise face any way.
-        far > FAR_SIDE * facing.len() as f64 && behind.max(far - behind) >= layers::ONE_SIDE * far
+        let is_many = far > (1.0 - layers::ONE_SIDE) * facing.len() as f64;
+        is_many && behind.max(far - behind) >= layers::ONE_SIDE * far
     }
 
     /// The means as a cloud with the number of points of each, and the mean of each point. Cells that are nearly empty
@@ -387,21 +405,4 @@ impl Cells {
         let count = kept.iter().map(|&cell| self.count[cell as usize]).collect();
         (means, count, self.of.iter().map(|&cell| number[cell as usize]).collect())
     }
-}
-
-/// Places that are at least `width` apart: the means of the fullest cubes, which are in the middle of the noise.
-fn middles(cubes: &Cubes, width: f64) -> Vec<Point> {
-    let mut order: Vec<usize> = (0..cubes.means.len()).collect();
-    order.sort_by_key(|&cube| std::cmp::Reverse(cubes.count(cube)));
-    let (mut is_free, mut chosen) = (vec![true; order.len()], Vec::new());
-    let mut found = Vec::new();
-    for cube in order {
-        if is_free[cube] {
-            cubes.near.within(cubes.means[cube], width, &mut found);
-            found.iter().for_each(|&other| is_free[other as usize] = false);
-            chosen.push(cube);
-        }
-    }
-    chosen.sort_unstable();
-    chosen.into_iter().map(|cube| cubes.means[cube]).collect()
 }

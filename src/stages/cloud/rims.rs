@@ -8,6 +8,9 @@ use super::LEFT_OUT;
 use crate::geometry::{FEW, Point, Vector};
 use crate::statistics::quantile;
 
+/// The share of the points below the lower quartile.
+const QUARTER: f64 = 0.25;
+
 /// How far the points of one vertex of a rim reach outward.
 #[derive(Default)]
 struct Reach {
@@ -46,7 +49,8 @@ impl Reach {
     /// their quartile is in the middle between the two. Noise blurs the outer end only. Few points do not tell.
     fn length(&mut self) -> f64 {
         let is_enough = self.along.len() >= FEW;
-        let [quartile, median] = [0.25, 0.5].map(|share| quantile(&mut self.along, share));
+        let [quartile, median] =
+            [QUARTER, 2.0 * QUARTER].map(|share| quantile(&mut self.along, share));
         let end =
             quartile.zip(median).map_or(0.0, |(quartile, median)| 3.0 * median - 2.0 * quartile);
         if is_enough { end.max(0.0) } else { 0.0 }
