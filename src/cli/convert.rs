@@ -16,6 +16,9 @@ use super::report;
 use super::stages::Stages;
 use super::{Failure, Outcome, assembly, cad, messages, settings, streams, temp_files};
 
+/// From so many vertices on, the points of a mesh are converted much faster than the mesh.
+const CROWDED: usize = 5_000_000;
+
 /// Reads a scan, converts it and writes all files.
 pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     if args.end_with_input {
@@ -37,6 +40,11 @@ pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
     progress.ended("read", &messages::came_in(&scan));
     scan.notes.iter().for_each(|note| progress.say(&format!("read: {note}")));
+    if scan.source.cloud.is_none() && scan.source.vertices >= CROWDED {
+        progress.hint(
+            "a mesh of so many vertices takes many minutes; --remesh takes its points alone, which can be averaged",
+        );
+    }
     let named = settings::options(args)?;
     let fitting = fitting(args, &scan, &named)?;
     if let Some(places) = fitting.most_places() {

@@ -105,10 +105,7 @@ pub fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
         ));
     }
     if let Some(distance) = mesh.averaged_mm {
-        progress.say(&format!(
-            "points: averaged to places {} apart, as the noise allows",
-            mm(distance)
-        ));
+        progress.say(&format!("points: averaged to places {} apart", mm(distance)));
     }
     if mesh.outliers > 0 {
         progress.say(&format!("points: {} left out", plural(mesh.outliers, "outlier")));
