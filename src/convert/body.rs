@@ -48,8 +48,8 @@ pub(super) fn body(
     let is_clean = !goal.named && !smooth.is_noisy;
     let facets = if is_clean { goal::of_facets(&measured.mesh) } else { 0.0 };
     measured.mesh.triangles = Vec::new();
-    let points = scan.point_counts(&measured.mesh.points, stand_ins.as_ref());
-    let patch = Patch { stand_ins, points, ..patch };
+    let point_counts = scan.point_counts(&measured.mesh.points, stand_ins.as_ref());
+    let patch = Patch { stand_ins, point_counts, ..patch };
     watch(Stage::Fill(&patch))?;
 
     let face_options = FaceOptions {

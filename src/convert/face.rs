@@ -46,8 +46,8 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     drop(means);
     drop(rough);
     measured.mesh.triangles = Vec::new();
-    let points = scan.point_counts(&measured.mesh.points, stand_ins.as_ref());
-    let patch = Patch { stand_ins, points, ..patch };
+    let point_counts = scan.point_counts(&measured.mesh.points, stand_ins.as_ref());
+    let patch = Patch { stand_ins, point_counts, ..patch };
     watch(Stage::Fill(&patch))?;
 
     let (mut map, parameterize) = parameterize::parameterize_with(

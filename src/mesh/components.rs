@@ -229,7 +229,10 @@ impl Components {
     ) -> Option<Vec<f64>> {
         let raw = self.raw.as_ref()?;
         let counts = raw.counts(&VertexMap::new(&self.build, vertices), vertices.len());
-        Some(stand_ins.map_or(counts.clone(), |stand_ins| stand_ins.sums(&counts)))
+        Some(match stand_ins {
+            Some(stand_ins) => stand_ins.sums(&counts),
+            None => counts,
+        })
     }
 
     /// A disk of the scan with its vertices where they were measured. In a mesh of a cloud they are

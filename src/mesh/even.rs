@@ -31,7 +31,7 @@ impl Patch {
             rims: Vec::new(),
             islands: Vec::new(),
             stand_ins: None,
-            points: None,
+            point_counts: None,
         }
     }
 

@@ -287,7 +287,7 @@ fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> OneRing {
 pub(crate) mod tests {
     use super::*;
     use crate::geometry::Point;
-    use crate::mesh::{FaceOrigin, Patch};
+    use crate::mesh::Patch;
 
     /// A grid of n × n vertices.
     pub(crate) fn grid(n: u32) -> Patch {
@@ -299,17 +299,8 @@ pub(crate) mod tests {
             (0..n - 1)
                 .map(move |i| [i * n, (n - 1) * n + i, n * n - 1 - i * n, n - 1 - i][k as usize])
         };
-        Patch {
-            measured: (n * n) as usize,
-            origin: vec![FaceOrigin::Measured; triangles.len()],
-            measured_outer: None,
-            outer: (0..4).flat_map(side).map(VertexId).collect(),
-            rims: Vec::new(),
-            islands: Vec::new(),
-            stand_ins: None,
-            points: None,
-            mesh: Mesh { points: points.collect(), triangles },
-        }
+        let outer = (0..4).flat_map(side).map(VertexId).collect();
+        Patch { outer, ..Patch::closed(Mesh { points: points.collect(), triangles }) }
     }
 
     #[test]

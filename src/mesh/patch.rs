@@ -41,7 +41,7 @@ pub struct Patch {
     /// than the scan.
     pub stand_ins: Option<StandIns>,
     /// For each measured vertex the number of points of the cloud for which it stands, if the mesh was made of one.
-    pub points: Option<Vec<f64>>,
+    pub point_counts: Option<Vec<f64>>,
 }
 
 impl Patch {
@@ -53,8 +53,8 @@ impl Patch {
     /// For each measured vertex how much was measured there: the number of points of the cloud or of vertices of the scan
     /// for which it stands.
     pub(crate) fn counts(&self) -> Vec<f64> {
-        match (&self.points, &self.stand_ins) {
-            (Some(points), _) => points.clone(),
+        match (&self.point_counts, &self.stand_ins) {
+            (Some(counts), _) => counts.clone(),
             (None, Some(stand_ins)) => stand_ins.counts().to_vec(),
             (None, None) => vec![1.0; self.measured],
         }
@@ -96,7 +96,7 @@ impl Patch {
             rims: self.rims.clone(),
             islands: self.islands.clone(),
             stand_ins: self.stand_ins.clone(),
-            points: self.points.clone(),
+            point_counts: self.point_counts.clone(),
         })
     }
 

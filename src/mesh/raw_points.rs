@@ -91,7 +91,8 @@ impl RawPoints {
         }
     }
 
-    /// The number of points of each of `count` vertices that are found in `vertices`.
+    /// The number of points of each of `count` vertices that are found in `vertices`. A vertex that a repair of the mesh
+    /// has doubled has none of its own. It counts as one.
     pub(super) fn counts(&self, vertices: &VertexMap, count: usize) -> Vec<f64> {
         let mut counts = vec![0.0; count];
         for &vertex in &self.vertex_of {
@@ -99,6 +100,7 @@ impl RawPoints {
                 counts[vertex] += 1.0;
             }
         }
+        counts.iter_mut().for_each(|count| *count = f64::max(*count, 1.0));
         counts
     }
 

@@ -9,10 +9,9 @@ use formats::Points;
 use formats::points::PointScan;
 use rayon::prelude::*;
 
-use super::noise::Around;
 use super::order::Ordered;
 use super::outliers::LONELY;
-use super::quadric::{PrincipalPlane, QuadricRows};
+use super::quadric::{PrincipalPlane, QuadricRows, Scatter};
 use super::two_layers::TwoLayers;
 use super::{LEFT_OUT, Options, Triangulation, layers, noise, rims, sides};
 use crate::geometry::{Point, SAMPLE, Vector};
@@ -35,7 +34,7 @@ const EDGES: f64 = 0.01;
 /// Cells are so many standard deviations of the noise wide at least, else there are several above each other.
 const LEAST_WIDTH: f64 = 2.0;
 
-/// The largest cubes are so many.
+/// So many of the largest cubes hold any cloud.
 const OCTANTS: usize = 8;
 
 /// The number of points in the cubes with which noise and shape are measured.
@@ -71,13 +70,13 @@ pub(super) struct Averaged {
     /// The number of points of each mean.
     pub count: Vec<u32>,
     /// The mean of each distinct point in the order of the work, or [`LEFT_OUT`] for points that are alone.
-    pub of: Vec<u32>,
+    of: Vec<u32>,
     /// What was found of the points themselves, in the lengths of the work.
-    pub noise: f64,
+    noise: f64,
     /// The distance of neighbouring points.
-    pub spacing: f64,
+    spacing: f64,
     /// The distance of neighbouring means.
-    pub width: f64,
+    width: f64,
 }
 
 impl Averaged {
@@ -131,7 +130,7 @@ impl Averaged {
 
 impl Sampled {
     /// Looks at some places with growing radii, as long as a wider neighbourhood tells more of the surface under the noise.
-    /// `None` if the points have no noise, or lie in two layers.
+    /// `None` if the points lie in two layers, or few places tell anything.
     fn new(ordered: &Ordered) -> Option<Self> {
         let cubes = Cubes::of_points(ordered, CUBE);
         let mut best: Option<(f64, Sampled)> = None;
@@ -199,7 +198,7 @@ impl Cubes {
     }
 
     /// What is found around some places, with the radius in standard deviations of the noise, which few places fall
-    /// short of. `None` if there is no noise, if there are two layers, or if few places tell anything.
+    /// short of. `None` if there are two layers, or if few places tell anything.
     fn sampled(&self, ordered: &Ordered, radius: f64) -> Option<(f64, Sampled)> {
         let points = &ordered.points;
         let at = |(found, rows): &mut (Vec<u32>, QuadricRows), i: usize| {
@@ -212,7 +211,7 @@ impl Cubes {
             (noise::COUNTS[0]..=MOST_AROUND).contains(&list.len()).then(|| {
                 let places: Vec<Point> = list.iter().map(|&j| points[j as usize]).collect();
                 let is_double = TwoLayers::new(own, radius, &places).is_some();
-                (list.len(), is_double, Around::of(own, points, &list, rows))
+                (list.len(), is_double, noise::around(own, points, &list, rows))
             })
         };
         let step = points.len().div_ceil(SAMPLE).max(1);
@@ -225,10 +224,10 @@ impl Cubes {
             return None;
         }
         let mut counts: Vec<f64> = rows.iter().map(|row| row.0 as f64).collect();
-        let found: Vec<Around> = rows.into_iter().filter_map(|row| row.2).collect();
-        let mut ratios: Vec<f64> = found.iter().map(Around::ratio).collect();
-        let mut variances: Vec<f64> = found.iter().map(|f| f.variance).collect();
-        let mut curvatures: Vec<f64> = found.iter().map(|f| f.curvature.abs()).collect();
+        let found: Vec<(f64, Scatter)> = rows.into_iter().filter_map(|row| row.2).collect();
+        let mut ratios: Vec<f64> = found.iter().map(|f| f.0).collect();
+        let mut variances: Vec<f64> = found.iter().map(|f| f.1.variance).collect();
+        let mut curvatures: Vec<f64> = found.iter().map(|f| f.1.curvature.abs()).collect();
         let ratio = quantile(&mut ratios, noise::NARROW)?;
         let sampled = Sampled {
             noise: median(&mut variances)?.sqrt(),

@@ -6,7 +6,7 @@
 use super::layers::{LayerSearch, Layers};
 use super::nearest_lists::NearestLists;
 use super::project::{SurfacePoint, farthest, first};
-use super::quadric::QuadricRows;
+use super::quadric::{QuadricRows, Scatter};
 use crate::geometry::Point;
 use crate::statistics::{MeanSquare, median, quantile};
 
@@ -50,35 +50,24 @@ fn relative_radius(points: &[Point], layers: &Layers<'_>, count: usize) -> Optio
     for i in sample(points.len()) {
         let own = points[i];
         layers.list(i, count, &mut search);
-        ratios.extend(Around::of(own, points, &search.list, &mut rows).map(|found| found.ratio()));
+        ratios.extend(around(own, points, &search.list, &mut rows).map(|(ratio, _)| ratio));
     }
     quantile(&mut ratios, NARROW)
 }
 
-/// What the points in a list tell about the surface at a place.
-pub(super) struct Around {
-    /// The distance of the farthest of them.
-    radius: f64,
-    /// The variance of their noise along the normal.
-    pub variance: f64,
-    /// The mean curvature of the surface.
-    pub curvature: f64,
-}
-
-impl Around {
-    /// `None` if the points are too few or too uneven to tell.
-    pub fn of(own: Point, points: &[Point], list: &[u32], rows: &mut QuadricRows) -> Option<Self> {
-        let radius = farthest(own, points, list);
-        let surface = first(own, points, list, rows);
-        let others = list.iter().map(|&j| points[j as usize]);
-        let variance = rows.variance(surface.place, surface.normal, radius, others)?;
-        Some(Around { radius, variance, curvature: rows.mean_curvature(radius)? })
-    }
-
-    /// The radius in standard deviations of the noise.
-    pub fn ratio(&self) -> f64 {
-        self.radius / self.variance.sqrt()
-    }
+/// The distance of the farthest point in a list in standard deviations of their noise, and how they lie about the surface
+/// at a place. `None` if they are too few or too uneven to tell.
+pub(super) fn around(
+    own: Point,
+    points: &[Point],
+    list: &[u32],
+    rows: &mut QuadricRows,
+) -> Option<(f64, Scatter)> {
+    let radius = farthest(own, points, list);
+    let surface = first(own, points, list, rows);
+    let others = list.iter().map(|&j| points[j as usize]);
+    let scatter = rows.scatter(surface.place, surface.normal, radius, others)?;
+    Some((radius / scatter.variance.sqrt(), scatter))
 }
 
 /// Some of `count` numbers, evenly spaced.
@@ -103,7 +92,8 @@ pub(super) fn deviation(
         let own = &surface[i];
         let radius = lists.nearest_of_two_rings(i, surface, left_out, &mut around);
         let raw = around.iter().map(|&(_, j)| points[j as usize]);
-        variances.extend(rows.variance(own.place, own.normal, radius, raw));
+        variances
+            .extend(rows.scatter(own.place, own.normal, radius, raw).map(|found| found.variance));
     }
     let of_noise = MeanSquare(freedom(lists.count())).at(0.0);
     median(&mut variances).map_or(0.0, |v| (v / of_noise).sqrt())

@@ -50,6 +50,14 @@ pub(super) struct Quadric {
     pub normal: Vector,
 }
 
+/// Points about a quadric.
+pub(super) struct Scatter {
+    /// An estimate without bias of the variance of their noise along the normal.
+    pub variance: f64,
+    /// The mean curvature of the quadric.
+    pub curvature: f64,
+}
+
 /// A neighbour in the plane, in units of the radius: the monomials 1, x, y, x², xy and y², the
 /// height and the weight.
 struct QuadricRow {
@@ -110,15 +118,14 @@ impl QuadricRows {
         Some(Quadric { height: radius * height, normal })
     }
 
-    /// An estimate without bias of the variance of the points' noise along the normal. `None` if
-    /// the points are too few or too uneven for a quadric.
-    pub(crate) fn variance(
+    /// How the points lie about a quadric. `None` if they are too few or too uneven for one.
+    pub(crate) fn scatter(
         &mut self,
         origin: Point,
         normal: Vector,
         radius: f64,
         points: impl Iterator<Item = Point>,
-    ) -> Option<f64> {
+    ) -> Option<Scatter> {
         self.fill(origin, normal, radius, points);
         let (factor, c) = self.system::<6>()?;
         let (mut squares, mut freedom, mut total) = (0.0, 0.0, 0.0);
@@ -130,13 +137,10 @@ impl QuadricRows {
             total += row.weight;
         }
         // Otherwise the residuals are rounding errors.
-        (freedom > NEGLIGIBLE * total).then(|| radius * radius * squares / freedom)
-    }
-
-    /// The mean curvature of the quadric over the rows of the last fit. `None` if they do not determine it.
-    pub(super) fn mean_curvature(&self, radius: f64) -> Option<f64> {
-        let (_, c) = self.system::<6>()?;
-        Some((c[3] + c[5]) / radius)
+        (freedom > NEGLIGIBLE * total).then(|| Scatter {
+            variance: radius * radius * squares / freedom,
+            curvature: (c[3] + c[5]) / radius,
+        })
     }
 
     /// The factor of the normal equations of the first N monomials, and the coefficients.

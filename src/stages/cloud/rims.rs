@@ -1,11 +1,12 @@
 //! Rims of meshes of means: a mean lies inside its points, so that rims through means would be half a cell short.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use formats::{Points, Soup};
 
 use super::LEFT_OUT;
-use crate::geometry::{FEW, Point, Vector};
+use crate::geometry::{FEW, Point, Vector, VertexId, unit_normal};
+use crate::mesh::{EdgeMap, Mesh};
 use crate::statistics::quantile;
 
 /// The share of the points below the lower quartile.
@@ -48,33 +49,32 @@ impl Reach {
     /// Points that are spread evenly end as far beyond their median as this is beyond their end on the other side, and
     /// their quartile is in the middle between the two. Noise blurs the outer end only. Few points do not tell.
     fn length(&mut self) -> f64 {
-        let is_enough = self.along.len() >= FEW;
-        let [quartile, median] =
-            [QUARTER, 2.0 * QUARTER].map(|share| quantile(&mut self.along, share));
-        let end =
-            quartile.zip(median).map_or(0.0, |(quartile, median)| 3.0 * median - 2.0 * quartile);
-        if is_enough { end.max(0.0) } else { 0.0 }
+        if self.along.len() < FEW {
+            return 0.0;
+        }
+        let at = |share| quantile(&mut self.along, share);
+        let [quartile, median] = [QUARTER, 2.0 * QUARTER].map(at);
+        quartile
+            .zip(median)
+            .map_or(0.0, |(quartile, median)| 3.0 * median - 2.0 * quartile)
+            .max(0.0)
     }
 }
 
 /// The vertices of rims, each with the direction in which its triangles end.
 fn outward(soup: &Soup) -> HashMap<u32, Reach> {
-    let sides = |corners: &[u32]| -> Vec<[u32; 2]> {
-        (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]).collect()
-    };
-    let inner: HashSet<[u32; 2]> = soup.polygons.iter().flat_map(sides).collect();
+    let points = soup.points.iter().map(|&p| Point::from(p)).collect();
+    let corners = |corners: &[u32]| [0, 1, 2].map(|k| VertexId(corners[k]));
+    let mesh = Mesh { points, triangles: soup.polygons.iter().map(corners).collect() };
     let mut rims: HashMap<u32, Reach> = HashMap::new();
-    for corners in soup.polygons.iter() {
-        let at = |v: u32| Point::from(soup.points[v as usize]);
-        let [a, b, c] = [0, 1, 2].map(|k| at(corners[k]));
-        let normal = (b - a).cross(&(c - a)).normalize();
-        for [from, to] in sides(corners).into_iter().filter(|&[a, b]| !inner.contains(&[b, a])) {
-            let side = (at(to) - at(from)).cross(&normal);
-            [from, to].into_iter().for_each(|v| rims.entry(v).or_default().outward += side);
-        }
+    for side in EdgeMap::new(&mesh).open_sides() {
+        let normal = unit_normal(mesh.corners(mesh.triangles[side / 3])).unwrap_or_default();
+        let (from, to) = mesh.side(side);
+        let outward = (mesh.point(to) - mesh.point(from)).cross(&normal);
+        [from, to].into_iter().for_each(|v| rims.entry(v.0).or_default().outward += outward);
     }
     for reach in rims.values_mut() {
-        reach.outward = reach.outward.try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        reach.outward = reach.outward.try_normalize(0.0).unwrap_or_default();
     }
     rims
 }

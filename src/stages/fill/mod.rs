@@ -203,7 +203,7 @@ pub fn fill_with(
         rims,
         islands,
         stand_ins: None,
-        points: None,
+        point_counts: None,
     };
     debug_assert!(patch.outer.is_empty() || patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))

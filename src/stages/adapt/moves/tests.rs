@@ -7,7 +7,7 @@ use super::tangent;
 use super::unfold::{inverted, unfold};
 use crate::deviation::MissedTriangle;
 use crate::geometry::{Point, Uv, VertexId};
-use crate::mesh::{FaceOrigin, Mesh, Outline, Parameterized, Patch, Scaffold};
+use crate::mesh::{Mesh, Outline, Parameterized, Patch, Scaffold};
 use crate::spline::{KnotVector, Surface};
 use crate::stages::adapt::attempt::Attempt;
 use crate::stages::adapt::goal::Goal;
@@ -43,17 +43,8 @@ fn sheet() -> Parameterized {
         _ => N - 1 - k,
     };
     let outer = (0..4).flat_map(|side| (0..N - 1).map(move |k| around(side, k)));
-    let patch = Patch {
-        origin: vec![FaceOrigin::Measured; triangles.len()],
-        mesh: Mesh { points: (0..N * N).map(point).collect(), triangles },
-        measured: N * N,
-        outer: outer.map(VertexId::from).collect(),
-        measured_outer: None,
-        rims: Vec::new(),
-        islands: Vec::new(),
-        stand_ins: None,
-        points: None,
-    };
+    let mesh = Mesh { points: (0..N * N).map(point).collect(), triangles };
+    let patch = Patch { outer: outer.map(VertexId::from).collect(), ..Patch::closed(mesh) };
     let uv = (0..N * N).map(|v| Uv::new(wave(at(v).0), wave(at(v).1))).collect();
     Parameterized { patch, uv, outline: Outline::Sides, scaffold: Scaffold::default() }
 }

@@ -48,22 +48,7 @@ fn is_disk(mesh: &Mesh, outer: &Loop) -> bool {
     let loops = boundary::boundary_loops(mesh, &EdgeMap::new(mesh));
     let start = loops[0].iter().position(|v| *v == outer[0]).unwrap_or(0);
     let turned = [&loops[0][start..], &loops[0][..start]].concat();
-    let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
-    let (mesh, outer, measured) = (mesh.clone(), outer.clone(), mesh.points.len());
-    let (measured_outer, rims, islands) = (None, Vec::new(), Vec::new());
-    turned == outer
-        && Patch {
-            mesh,
-            measured,
-            origin,
-            outer,
-            measured_outer,
-            rims,
-            islands,
-            stand_ins: None,
-            points: None,
-        }
-        .is_disk()
+    turned == *outer && Patch { outer: outer.clone(), ..Patch::closed(mesh.clone()) }.is_disk()
 }
 
 #[test]
@@ -164,20 +149,7 @@ fn a_map_without_bays_opens_those_that_were_closed() {
     let is_there = |i: usize, j: usize| j < 8 || i % 7 < 4;
     let mesh = sheet(32, is_there, |x, y| [x, y, 0.0]);
     let outer = boundary::boundary_loops(&mesh, &EdgeMap::new(&mesh)).remove(0);
-    let measured = mesh.points.len();
-    let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
-    let (measured_outer, rims, islands) = (None, Vec::new(), Vec::new());
-    let patch = Patch {
-        mesh,
-        measured,
-        origin,
-        outer,
-        measured_outer,
-        rims,
-        islands,
-        stand_ins: None,
-        points: None,
-    };
+    let patch = Patch { outer, ..Patch::closed(mesh) };
     let (closed, bays) = close(patch.clone(), None);
     assert!(bays.count == 4 && bays.added_triangles > 0);
     // On the map the boundary is a circle.
