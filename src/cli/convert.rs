@@ -16,7 +16,7 @@ use super::report;
 use super::stages::Stages;
 use super::{Failure, Outcome, assembly, cad, messages, settings, streams, temp_files};
 
-/// From so many vertices on, the points of a mesh are converted much faster than the mesh.
+/// From so many vertices on, a mesh of which every vertex is held takes many minutes.
 const CROWDED: usize = 5_000_000;
 
 /// Reads a scan, converts it and writes all files.
@@ -40,9 +40,10 @@ pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
     progress.ended("read", &messages::came_in(&scan));
     scan.notes.iter().for_each(|note| progress.say(&format!("read: {note}")));
-    if scan.source.cloud.is_none() && scan.source.vertices >= CROWDED {
+    let is_crowded = scan.source.cloud.is_none() && scan.source.vertices >= CROWDED;
+    if is_crowded && args.how.tolerance.is_some() {
         progress.hint(
-            "a mesh of so many vertices takes many minutes; --remesh takes its points alone, which can be averaged",
+            "a --tolerance is held at every vertex, which takes many minutes for so many; without it, means of them are smoothed",
         );
     }
     let named = settings::options(args)?;

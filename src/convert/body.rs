@@ -6,7 +6,7 @@ use super::conversion::{Body, BodyFit, Missed, NetworkFit, Seams};
 use super::face_options::FaceOptions;
 use super::faces::{Faces, SEAM_PLACES, faces};
 use super::gaps::Gaps;
-use super::smoothed::{Smoothed, smoothed};
+use super::smoothed::{Dense, Smoothed, smoothed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape, goal, input};
 use crate::deviation::NetworkFaces;
@@ -29,11 +29,12 @@ pub(super) fn body(
     watch(Stage::Mesh(&measured))?;
     let rough = scan.at_measured_places(&measured);
     // A layout of a thinned mesh has other blocks, and its faces were farther from the true surface of a body of a
-    // million vertices. So each vertex stays.
-    let found = smoothed(&rough, &options.smooth, true, watch)?;
-    let Smoothed { disk, measured: means, stand_ins, thin, smooth } = found;
+    // million vertices. So each vertex stays, or each mean.
+    let dense = if options.tolerance.is_some() { Dense::Every } else { Dense::Means };
+    let found = smoothed(&rough, &options.smooth, dense, watch)?;
+    let Smoothed { disk, measured: means, stand_ins, noise, thin, smooth } = found;
     watch(Stage::Smooth(&disk))?;
-    let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
+    let noise = scan.raw_points().map_or(noise, |raw| raw.noise().max(noise));
     let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
     let fill_options =
@@ -107,7 +108,7 @@ pub(super) fn body(
         fit: BodyFit::Network(Box::new(NetworkFit {
             seams: seams(&network),
             folds: to_scan.inverted.len(),
-            thin,
+            thin: thin.scaled(mm),
             layout: layout.scaled(mm),
             net: net.scaled(mm),
             irregular,

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::conversion::{Body, BodyFit, Missed, SurfaceFit};
-use super::smoothed::{Smoothed, smoothed};
+use super::smoothed::{Dense, Smoothed, smoothed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape, cut, input};
 use crate::error::Result;
@@ -27,12 +27,12 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
 
     let rough = scan.at_measured_places(&measured);
     // A tolerance that the user names is held at every point.
-    let holds_each = options.tolerance.is_some();
-    let found = smoothed(&rough, &options.smooth, holds_each, watch)?;
-    let Smoothed { disk, measured: means, stand_ins, thin, smooth } = found;
+    let dense = if options.tolerance.is_some() { Dense::Every } else { Dense::Thinned };
+    let found = smoothed(&rough, &options.smooth, dense, watch)?;
+    let Smoothed { disk, measured: means, stand_ins, noise, thin, smooth } = found;
     watch(Stage::Smooth(&disk))?;
     // Vertices that stand for several points have less noise than these.
-    let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
+    let noise = scan.raw_points().map_or(noise, |raw| raw.noise().max(noise));
     let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
     // Points without noise can be followed as far as anybody asks for.
     let worth = Goal::of_scan(&measured.mesh, noise, smooth.is_noisy).noise();
@@ -121,7 +121,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
         fit: BodyFit::Face(Box::new(SurfaceFit {
             surface: placed,
             loops,
-            thin,
+            thin: thin.scaled(mm),
             parameterize,
             crushed: crushed.map(|crushed| crushed.scaled(mm)),
             adapted: fit.scaled(mm),

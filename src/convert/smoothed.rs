@@ -1,15 +1,16 @@
-//! The smoothed mesh of a scan. A dense scan is thinned before, as its noise and the supports of the smoothing tell
-//! how many of its vertices tell anything.
+//! The smoothed mesh of a scan. A dense scan is averaged and thinned before, as its noise and the supports of the
+//! smoothing tell how many of its vertices tell anything.
 
 use std::borrow::Cow;
 
 use super::stage::{Observer, within};
 use crate::error::Result;
 use crate::geometry::Point;
-use crate::mesh::{Disk, StandIns};
+use crate::mesh::{Disk, StandIns, VertexRings};
+use crate::noise::NoiseField;
 use crate::progress;
-use crate::stages::thin::ThinnedDisk;
-use crate::stages::{smooth, thin};
+use crate::stages::thin::{Averaged, ThinnedDisk};
+use crate::stages::{cloud, smooth, thin};
 
 /// A smoothed mesh, and what was measured of its vertices.
 pub(super) struct Smoothed<'a> {
@@ -18,15 +19,69 @@ pub(super) struct Smoothed<'a> {
     pub measured: Cow<'a, [Point]>,
     /// Which vertex stands for each one of the scan, if the mesh was thinned.
     pub stand_ins: Option<StandIns>,
+    /// The standard deviation of the noise of the vertices as they were measured.
+    pub noise: f64,
     pub thin: thin::Report,
     pub smooth: smooth::Report,
 }
 
-/// Smooths a mesh. Unless each vertex has to be held, a dense one is thinned before.
+/// Which vertices of a dense mesh are smoothed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Dense {
+    /// All of them.
+    Every,
+    /// Means of them, where they are much denser than their noise lets tell.
+    Means,
+    /// Those of the means that the support of the smoothing lets differ.
+    Thinned,
+}
+
+/// Smooths a mesh.
 pub(super) fn smoothed<'a>(
     rough: &'a Disk,
     options: &smooth::Options,
-    holds_each: bool,
+    dense: Dense,
+    watch: &mut Observer,
+) -> Result<Smoothed<'a>> {
+    let may_average = dense != Dense::Every && options.support == smooth::Support::Auto;
+    let averaged = if may_average { averaged(rough, watch)? } else { None };
+    let Some((Averaged { disk, stand_ins, .. }, noise, distance)) = averaged else {
+        return of_vertices(rough, options, dense, watch);
+    };
+    let of_means = of_vertices(&disk, options, dense, watch)?;
+    let stand_ins = match &of_means.stand_ins {
+        Some(left) => stand_ins.then(left),
+        None => stand_ins,
+    };
+    let removed = rough.mesh.points.len() - of_means.thin.vertices;
+    Ok(Smoothed {
+        measured: of_means.measured.into_owned().into(),
+        stand_ins: Some(stand_ins),
+        noise,
+        thin: thin::Report { removed, averaged: Some(distance), ..of_means.thin },
+        disk: of_means.disk,
+        smooth: of_means.smooth,
+    })
+}
+
+/// The means of the vertices of a dense disk, with the noise of the vertices and the distance of the means. `None` for a
+/// disk that is not dense, or has no noise.
+fn averaged(rough: &Disk, watch: &mut Observer) -> Result<Option<(Averaged, f64, f64)>> {
+    let Some(density) = cloud::density(&rough.mesh.points) else { return Ok(None) };
+    let noise = NoiseField::new(&rough.mesh, &VertexRings::new(&rough.mesh));
+    if !noise.is_visible || noise.terraces.is_some() {
+        return Ok(None);
+    }
+    let widths = [density.spacing, density.width];
+    let averaged = thin::average(rough, &noise, widths, &mut within("smooth", watch))?;
+    Ok(averaged.map(|averaged| (averaged, noise.deviation, density.width)))
+}
+
+/// Smooths the vertices of a mesh, or some of them.
+fn of_vertices<'a>(
+    rough: &'a Disk,
+    options: &smooth::Options,
+    dense: Dense,
     watch: &mut Observer,
 ) -> Result<Smoothed<'a>> {
     let progress = &mut within("smooth", watch);
@@ -34,7 +89,7 @@ pub(super) fn smoothed<'a>(
     let rest = &mut progress::step(progress, 1, 2);
     let how = thin::Options::default();
     let count = rough.mesh.points.len();
-    let may_thin = !holds_each && how.may_thin(count);
+    let may_thin = dense == Dense::Thinned && how.may_thin(count);
     let outlook = if may_thin { examined.outlook() } else { None };
     if let Some(outlook) = outlook {
         let near = (outlook.places.as_slice(), outlook.supports.as_slice());
@@ -45,10 +100,18 @@ pub(super) fn smoothed<'a>(
             let measured = examined.means(&outlook, &left, stand_ins.vertex_of()).into();
             let last = &mut progress::step(rest, 1, 2);
             let (disk, smooth) = examined.smoothed_part(disk, &left, outlook, last)?;
-            return Ok(Smoothed { disk, measured, stand_ins: Some(stand_ins), thin, smooth });
+            return Ok(Smoothed {
+                disk,
+                measured,
+                stand_ins: Some(stand_ins),
+                noise: smooth.noise,
+                thin,
+                smooth,
+            });
         }
     }
     let (disk, smooth) = examined.smoothed(rest)?;
     let measured = rough.mesh.points.as_slice().into();
-    Ok(Smoothed { disk, measured, stand_ins: None, thin: thin::Report::none(count), smooth })
+    let (noise, thin) = (smooth.noise, thin::Report::none(count));
+    Ok(Smoothed { disk, measured, stand_ins: None, noise, thin, smooth })
 }

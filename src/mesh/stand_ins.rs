@@ -32,6 +32,11 @@ impl StandIns {
         sums
     }
 
+    /// The same where other vertices stand for these.
+    pub(crate) fn then(&self, next: &StandIns) -> StandIns {
+        StandIns { vertex_of: self.of_scan(&next.vertex_of), counts: next.sums(&self.counts) }
+    }
+
     /// A value of each measured vertex, for each vertex of the scan for which it stands.
     pub(crate) fn of_scan<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.vertex_of.iter().map(|&v| values[v as usize]).collect()

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Mesh, VertexRings};
-use crate::statistics::MeanSquare;
+use crate::statistics::{MeanSquare, outlying};
 use estimate::Estimate;
 use local::LocalNoise;
 use patch::{NoisePatch, Scratch};
@@ -121,8 +121,24 @@ impl NoiseField {
         self.terraces.map_or(own, |terraces| own.max(terraces.variance(points)))
     }
 
+    /// The vertices where the noise does not explain how far a surface is from them and their neighbours. `squares` has
+    /// the squared distance of each vertex as a share of its variance.
+    pub(crate) fn unexplained<N: Iterator<Item = usize>>(
+        &self,
+        squares: &[f64],
+        neighbours: impl Fn(usize) -> N + Sync,
+    ) -> Vec<bool> {
+        let limit = outlying(squares.len());
+        let is_unexplained = |v: usize| {
+            let around = neighbours(v).map(|w| squares[w]);
+            let (sum, count) = around.fold((squares[v], 1.0), |(sum, n), s| (sum + s, n + 1.0));
+            sum / count > self.mean_square_around(count).at(limit)
+        };
+        (0..squares.len()).into_par_iter().map(is_unexplained).collect()
+    }
+
     /// The distribution of the mean square of `count` points: one and its neighbours.
-    pub(crate) fn mean_square_around(&self, count: f64) -> MeanSquare {
+    fn mean_square_around(&self, count: f64) -> MeanSquare {
         let [one, two] = self.correlation;
         let beside = count - 1.0;
         // The spokes and the rim, and the other pairs of the rim.

@@ -108,7 +108,7 @@ pub struct HoleFigures {
 }
 
 /// What was thinned for the smoothing and the fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct ThinFigures {
@@ -116,6 +116,8 @@ pub struct ThinFigures {
     pub vertices: usize,
     /// Measured vertices that were removed.
     pub removed: usize,
+    /// The distance of the places whose means stand for the vertices, if these are much denser than their noise lets tell.
+    pub averaged_mm: Option<f64>,
 }
 
 /// How good the map to the parameter plane is.
@@ -294,8 +296,8 @@ impl BodyFigures {
 }
 
 impl ThinFigures {
-    fn of(thin::Report { vertices, removed, .. }: thin::Report) -> Self {
-        ThinFigures { vertices, removed }
+    fn of(thin::Report { vertices, removed, averaged, .. }: thin::Report) -> Self {
+        ThinFigures { vertices, removed, averaged_mm: averaged }
     }
 }
 

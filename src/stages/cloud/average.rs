@@ -25,6 +25,11 @@ const LEAST_CELLS: f64 = 250_000.0;
 /// Averaging is worth its time if a cell has so many points.
 const LEAST_POINTS: f64 = 3.0;
 
+/// The same for the vertices of a mesh, whose triangles are known already. With four or five vertices for each mean, the
+/// face of a relief of one or two million vertices was 12 to 25 % farther from the true surface than without averaging.
+/// With eight it was 4 to 10 % nearer.
+const LEAST_VERTICES: f64 = 8.0;
+
 /// The mean of a cell may be off the surface by this share of the standard deviation of its noise.
 const HIDDEN: f64 = 0.5;
 
@@ -63,6 +68,35 @@ struct Sampled {
     radius: f64,
 }
 
+/// How dense points are, in their unit of length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Density {
+    /// The distance of neighbouring points.
+    pub spacing: f64,
+    /// The distance of places at which means of the points tell as much as all points do.
+    pub width: f64,
+}
+
+/// How dense the vertices of a mesh are. `None` if they are not much denser than their noise lets tell, or lie in two
+/// layers.
+pub fn density(points: &[Point]) -> Option<Density> {
+    let count = points.len() as f64;
+    if count < LEAST_VERTICES * LEAST_CELLS {
+        return None;
+    }
+    let positions: Vec<[f64; 3]> = points.iter().map(|p| p.coords.into()).collect();
+    let ordered = Ordered::new(&positions);
+    drop(positions);
+    let sampled = Sampled::new(&ordered)?;
+    let width = sampled.width(count, f64::INFINITY);
+    if width < LEAST_VERTICES.sqrt() * sampled.spacing {
+        return None;
+    }
+    let [spacing, width] = [sampled.spacing, width].map(|length| ordered.frame.length(length));
+    Some(Density { spacing, width })
+}
+
 /// A cloud of means.
 pub(super) struct Averaged {
     /// The means, with the normals and the scanner of one of their points.
@@ -90,7 +124,7 @@ impl Averaged {
         let sampled = Sampled::new(ordered)?;
         let Sampled { noise: deviation, spacing, .. } = sampled;
         let named = options.spacing.map(|spacing| ordered.frame.work_length(spacing));
-        let hidden = sampled.width(count).min(named.unwrap_or(f64::INFINITY));
+        let hidden = sampled.width(count, named.unwrap_or(f64::INFINITY));
         let is_worth = hidden >= LEAST_POINTS.sqrt() * spacing;
         let width = if is_worth { hidden } else { 0.0 }.max(spacing * (count / most).sqrt());
         if width <= spacing {
@@ -149,12 +183,12 @@ impl Sampled {
         best.map(|best| best.1)
     }
 
-    /// The widest cells whose means are on the surface. `count` is the number of points.
-    fn width(&self, count: f64) -> f64 {
+    /// The widest cells whose means are on the surface, and at most so wide. `count` is the number of points.
+    fn width(&self, count: f64, most: f64) -> f64 {
         // The mean of a square cell of width w is off a quadric by H w² / 12, and its noise is σ s / w.
         let hidden = (12.0 * HIDDEN * self.noise * self.spacing / self.curvature).cbrt();
         let enough = self.spacing * (count / LEAST_CELLS).sqrt();
-        hidden.max(LEAST_WIDTH * self.noise).min(enough).min(self.radius)
+        hidden.max(LEAST_WIDTH * self.noise).min(enough).min(self.radius).min(most)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::geometry::VertexId;
 use crate::mesh::{Mesh, VertexRings};
 use crate::noise::NoiseField;
 use crate::progress::{self, Progress};
-use crate::statistics::{CALM, absolute_at, outlying, quantile};
+use crate::statistics::{CALM, absolute_at, quantile};
 
 /// A fixed support must be able to smooth at least this share of the points.
 const MOST_REACHED: f64 = 0.5;
@@ -68,12 +68,7 @@ impl Examined {
             let usual = quantile(&mut all, CALM).unwrap_or(0.0) / absolute_at(CALM).powi(2);
             vertices.iter().for_each(|&v| squares[v] /= usual.clamp(f64::MIN_POSITIVE, 1.0));
         }
-        let limit = outlying(count);
-        let is_missed = |v: usize| {
-            let around = self.rings.neighbours(mesh, VertexId::from(v)).map(|w| squares[w.index()]);
-            let (sum, count) = around.fold((squares[v], 1.0), |(sum, n), s| (sum + s, n + 1.0));
-            sum / count > self.noise.mean_square_around(count).at(limit)
-        };
-        (0..count).into_par_iter().map(is_missed).collect()
+        let around = |v: usize| self.rings.neighbours(mesh, VertexId::from(v)).map(VertexId::index);
+        self.noise.unexplained(&squares, around)
     }
 }

@@ -6,6 +6,11 @@
 //! edges have about a fixed share of the support. Rims and what is beside them stay. Each vertex remembers how many
 //! vertices of the scan it stands for, so that the fit weights it accordingly.
 
+mod average;
+
+pub use average::Averaged;
+pub(crate) use average::average;
+
 use crate::error::{Error, Result};
 use crate::geometry::{EQUILATERAL, NONE, Point, VertexId};
 use crate::mesh::boundary::Loop;
@@ -50,19 +55,26 @@ impl Options {
 }
 
 /// What thinning did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Report {
     /// The number of measured vertices that are left.
     pub vertices: usize,
     /// The number of measured vertices that were removed.
     pub removed: usize,
+    /// The distance of the places whose means stand for the vertices, if these are much denser than their noise lets tell.
+    pub averaged: Option<f64>,
 }
 
 impl Report {
     /// The report where nothing was removed.
     pub fn none(vertices: usize) -> Self {
-        Report { vertices, removed: 0 }
+        Report { vertices, removed: 0, averaged: None }
+    }
+
+    /// The report with all lengths multiplied by a factor.
+    pub fn scaled(self, factor: f64) -> Self {
+        Report { averaged: self.averaged.map(|distance| factor * distance), ..self }
     }
 }
 
@@ -82,7 +94,8 @@ impl ThinnedDisk {
     /// What was done.
     pub fn report(&self) -> Report {
         let vertices = self.left.len();
-        Report { vertices, removed: self.stand_ins.vertex_of().len() - vertices }
+        let removed = self.stand_ins.vertex_of().len() - vertices;
+        Report { vertices, removed, averaged: None }
     }
 }
 
@@ -103,18 +116,35 @@ pub fn thin(
         return Err(Error::Input("there are not as many supports and places as vertices"));
     }
     let kept = kept(disk);
-    let target = target(&disk.mesh, (places, supports), &kept, options.spacing).max(options.fewest);
+    let width = |v: usize| options.spacing * supports[v];
+    let target = target(&disk.mesh, (places, &width), &kept).max(options.fewest);
     if target as f64 > MOST_LEFT * count as f64 {
         return Ok(None);
     }
     let loss = |rings: &OneRings, v: u32| mean_edge(places, rings, v) / supports[v as usize];
-    let rims: Vec<VertexId> = disk.loops().flatten().copied().collect();
-    let mut hierarchy = ProgressiveMesh::for_good(OneRings::new(&disk.mesh, &rims));
-    let mut collapses = CollapseRecord { apex_of: Vec::new(), counts: vec![1.0; count] };
     let collapsing = Collapsing { points: places, kept: &kept, loss };
+    coarser(disk, one_rings(disk), &collapsing, target, progress).map(Some)
+}
+
+fn one_rings(disk: &Disk) -> OneRings {
+    let rims: Vec<VertexId> = disk.loops().flatten().copied().collect();
+    OneRings::new(&disk.mesh, &rims)
+}
+
+/// Collapses vertices of a disk until so many are left.
+fn coarser(
+    disk: &Disk,
+    rings: OneRings,
+    collapsing: &Collapsing<impl Fn(&OneRings, u32) -> f64 + Sync>,
+    target: usize,
+    progress: &mut Progress,
+) -> Result<ThinnedDisk> {
+    let mut hierarchy = ProgressiveMesh::for_good(rings);
+    let counts = vec![1.0; disk.mesh.points.len()];
+    let mut collapses = CollapseRecord { apex_of: Vec::new(), counts };
     let record = |collapse: &HalfEdgeCollapse| collapses.add(collapse);
-    hierarchy.coarsen(&collapsing, target, record, progress)?;
-    Ok(Some(thinned(disk, hierarchy, collapses)))
+    hierarchy.coarsen(collapsing, target, record, progress)?;
+    Ok(thinned(disk, hierarchy, collapses))
 }
 
 /// How many edges from a rim vertices stay. The triangles beside a rim say how the surface goes on there.
@@ -136,19 +166,14 @@ fn kept(disk: &Disk) -> Vec<bool> {
     kept
 }
 
-/// The number of vertices that the supports leave. Where nothing will be smoothed the support is 0, and all
-/// vertices stay: half as many as there are triangles.
-fn target(
-    mesh: &Mesh,
-    (places, supports): (&[Point], &[f64]),
-    kept: &[bool],
-    spacing: f64,
-) -> usize {
+/// The number of vertices that are left where edges have the `width` at each vertex. Where that is 0, all vertices stay:
+/// half as many as there are triangles.
+fn target(mesh: &Mesh, (places, width): (&[Point], &dyn Fn(usize) -> f64), kept: &[bool]) -> usize {
     let area = |corners: &[VertexId; 3]| {
-        let least = corners.iter().map(|v| supports[v.index()]).fold(f64::INFINITY, f64::min);
+        let least = corners.iter().map(|v| width(v.index())).fold(f64::INFINITY, f64::min);
         let [a, b, c] = corners.map(|v| places[v.index()]);
         let area = 0.5 * (b - a).cross(&(c - a)).norm();
-        (area / (EQUILATERAL * (spacing * least).powi(2))).min(0.5)
+        (area / (EQUILATERAL * least.powi(2))).min(0.5)
     };
     let inside: f64 = mesh.triangles.iter().map(area).sum();
     inside as usize + kept.iter().filter(|kept| **kept).count()
@@ -177,7 +202,10 @@ fn thinned(disk: &Disk, hierarchy: ProgressiveMesh, collapses: CollapseRecord) -
     let ProgressiveMesh { rings, remaining: left, .. } = hierarchy;
     let mut number = vec![NONE; disk.mesh.points.len()];
     left.iter().zip(0..).for_each(|(&v, new)| number[v as usize] = new);
-    let of_loop = |ring: &Loop| ring.iter().map(|v| VertexId(number[v.index()])).collect::<Loop>();
+    let of_loop = |ring: &Loop| {
+        let numbers = ring.iter().map(|v| VertexId(number[v.index()]));
+        numbers.filter(|v| v.0 != NONE).collect::<Loop>()
+    };
     let triangles = triangles(&rings, &left, &number);
     let mut islands = disk.islands.clone();
     // The triangles and the vertices of the islands are the last ones, in their order.
