@@ -87,11 +87,13 @@ pub fn from_soup_joined(soup: &Soup, mm: f64, width: SeamWidth) -> Result<Build>
     drop_degenerate(&mut triangles, &mut repairs);
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
     let width = (width, mm / factor);
-    if seam::join_rims(&welded.points, &mut triangles, &mut welded.number, width, &mut repairs) {
-        drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
-    }
     let place = (0..welded.points.len() as u32).collect();
     let mut build = Build::new(Mesh { points: welded.points, triangles }, place, mm / factor);
+    let Build { mesh, edges, .. } = &mut build;
+    if seam::join_rims(mesh, edges, &mut welded.number, width, &mut repairs) {
+        drop_duplicates(mesh.points.len(), &mut mesh.triangles, &mut repairs);
+        *edges = EdgeMap::new(mesh);
+    }
     build.unit = factor;
     build.vertices = welded.number;
     build.repairs = repairs;

@@ -386,7 +386,7 @@ pub(super) fn clean(
     let boundary = build.edges.open_sides().map(|side| build.mesh.triangles[side / 3][side % 3]);
     taken.extend(boundary.map(|v| build.place[v.index()]));
     let disk = Disk::new(build.mesh, &build.edges, outer)?;
-    let (disk, hanging) = rims::trim_hanging(disk, outer)?;
+    let (disk, hanging) = rims::trim_hanging(disk, build.edges, outer)?;
     count(repairs, "rim_triangles_trimmed", hanging);
     Ok(disk)
 }

@@ -51,14 +51,16 @@ impl EdgeMap {
         EdgeMap { glued: glued.into_iter().map(AtomicU32::into_inner).collect(), overfull }
     }
 
-    /// The edge map of the given triangles. None of them may border on a triangle that is not
-    /// given.
+    /// The edge map of the given triangles, of which no more than two share an edge.
     pub(super) fn part(&self, triangles: &[usize]) -> Self {
         let mut number = vec![NONE; self.glued.len() / 3];
         triangles.iter().enumerate().for_each(|(new, &t)| number[t] = new as u32);
         let renumbered = |side: usize| match self.glued[side] {
             NONE => NONE,
-            other => 3 * number[other as usize / 3] + other % 3,
+            other => match number[other as usize / 3] {
+                NONE => NONE,
+                number => 3 * number + other % 3,
+            },
         };
         let glued = triangles.iter().flat_map(|t| [0, 1, 2].map(|k| renumbered(3 * t + k)));
         EdgeMap { glued: glued.collect(), overfull: Vec::new() }

@@ -15,8 +15,12 @@ const MIN_CORNER_ANGLE: f64 = 75.0 * std::f64::consts::PI / 180.0;
 /// A tooth may consist of several triangles; this many are removed at most, one in each round.
 const MAX_ROUNDS: usize = 3;
 
-/// Removes hanging triangles from a disk. Returns the disk and the number of removed triangles.
-pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)> {
+/// Removes hanging triangles from a disk with these edges. Returns the disk and the number of removed triangles.
+pub(super) fn trim_hanging(
+    mut disk: Disk,
+    mut edges: EdgeMap,
+    outer: Outer,
+) -> Result<(Disk, usize)> {
     let mut trimmed = 0;
     for _ in 0..MAX_ROUNDS {
         let dropped = hanging(&disk);
@@ -24,9 +28,10 @@ pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)
             break;
         }
         trimmed += dropped.len();
-        let kept = (0..disk.mesh.triangles.len()).filter(|&t| !dropped.contains(&(t as u32)));
-        let (mesh, _) = disk.mesh.part(kept);
-        let edges = EdgeMap::new(&mesh);
+        let all = 0..disk.mesh.triangles.len();
+        let kept: Vec<usize> = all.filter(|&t| !dropped.contains(&(t as u32))).collect();
+        let (mesh, _) = disk.mesh.part(kept.iter().copied());
+        edges = edges.part(&kept);
         disk = Disk::new(mesh, &edges, outer)?;
     }
     Ok((disk, trimmed))
@@ -80,7 +85,7 @@ mod tests {
         mesh.triangles.push([v(3), v(2), v(25)]);
         let edges = EdgeMap::new(&mesh);
         let disk = Disk::new(mesh, &edges, Outer::Auto).unwrap();
-        let (disk, trimmed) = trim_hanging(disk, Outer::Auto).unwrap();
+        let (disk, trimmed) = trim_hanging(disk, edges, Outer::Auto).unwrap();
         assert_eq!((trimmed, disk.mesh.triangles.len(), disk.mesh.points.len()), (1, clean, 25));
     }
 }

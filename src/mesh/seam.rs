@@ -4,10 +4,12 @@
 //! on rims that are far nearer to each other than the edges there are the same point. Only points of rims
 //! are joined, and never two of one triangle.
 
+use foldhash::HashSet;
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 
 use super::build::{Repairs, count};
+use super::{EdgeMap, Mesh};
 use crate::geometry::sets::Sets;
 use crate::geometry::{Point, VertexId};
 
@@ -32,11 +34,12 @@ pub enum SeamWidth {
     Fixed(f64),
 }
 
-/// Joins points on rims, and returns whether there were any to join. Of those that are joined, each has the number of the first one afterwards. `number` has the point of
-/// each point of the file. The unit of the points is `mm` millimetres long.
+/// Joins points on rims, and returns whether there were any to join. Of those that are joined, each has the number of
+/// the first one afterwards. `number` has the point of each point of the file. The unit of the points is `mm`
+/// millimetres long.
 pub(super) fn join_rims(
-    points: &[Point],
-    triangles: &mut [[VertexId; 3]],
+    mesh: &mut Mesh,
+    edges: &EdgeMap,
     number: &mut [u32],
     (width, mm): (SeamWidth, f64),
     repairs: &mut Repairs,
@@ -44,7 +47,8 @@ pub(super) fn join_rims(
     if width == SeamWidth::Fixed(0.0) {
         return false;
     }
-    let rims = rims(triangles);
+    let Mesh { points, triangles } = mesh;
+    let rims = rims(triangles, edges);
     let shortest = shortest_edges(points, triangles, &rims);
     let step = single_step(points);
     let reach = |v: u32| {
@@ -82,13 +86,11 @@ pub(super) fn join_rims(
 }
 
 /// The vertices at the ends of sides that only one triangle has, in ascending order.
-fn rims(triangles: &[[VertexId; 3]]) -> Vec<u32> {
-    let sides =
-        triangles.iter().flat_map(|t| [[t[0].0, t[1].0], [t[1].0, t[2].0], [t[2].0, t[0].0]]);
-    let mut sides: Vec<[u32; 2]> = sides.map(|[a, b]| [a.min(b), a.max(b)]).collect();
-    sides.sort_unstable();
-    let single = sides.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
-    let mut rims: Vec<u32> = single.flat_map(|same| same[0]).collect();
+fn rims(triangles: &[[VertexId; 3]], edges: &EdgeMap) -> Vec<u32> {
+    let shared: HashSet<u32> = edges.overfull().iter().flatten().copied().collect();
+    let single = edges.open_sides().filter(|side| !shared.contains(&(*side as u32)));
+    let ends = |side: usize| [0, 1].map(|k| triangles[side / 3][(side % 3 + k) % 3].0);
+    let mut rims: Vec<u32> = single.flat_map(ends).collect();
     rims.sort_unstable();
     rims.dedup();
     rims
@@ -127,22 +129,27 @@ mod tests {
     use super::*;
 
     /// Two squares of two triangles beside each other. The common side of the second is moved by `off`.
-    fn squares(off: f64) -> (Vec<Point>, Vec<[VertexId; 3]>) {
+    fn squares(off: f64) -> Mesh {
         let x = [0.0, 1.0, 1.0, 0.0, 1.0 + off, 2.0, 2.0, 1.0 + off];
         let y = [0.0, 0.0, 1.0, 1.0];
         let points = (0..8).map(|k| Point::new(x[k], y[k % 4], 0.1)).collect();
         let triangles = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-        (points, triangles.map(|t| t.map(VertexId)).to_vec())
+        Mesh { points, triangles: triangles.map(|t| t.map(VertexId)).to_vec() }
+    }
+
+    fn join(mesh: &mut Mesh, number: &mut [u32], width: (SeamWidth, f64)) -> Repairs {
+        let (edges, mut repairs) = (EdgeMap::new(mesh), Repairs::new());
+        join_rims(mesh, &edges, number, width, &mut repairs);
+        repairs
     }
 
     fn joined(off: f64, width: SeamWidth) -> Option<usize> {
-        let (points, mut triangles) = squares(off);
+        let mut mesh = squares(off);
         let mut number: Vec<u32> = (0..8).collect();
-        let mut repairs = Repairs::new();
-        join_rims(&points, &mut triangles, &mut number, (width, 10.0), &mut repairs);
+        let repairs = join(&mut mesh, &mut number, (width, 10.0));
         if repairs.contains_key("joined_rim_vertices") {
             assert_eq!(number, [0, 1, 2, 3, 1, 5, 6, 2]);
-            assert_eq!(triangles[2..], [[1, 5, 6], [1, 6, 2]].map(|t| t.map(VertexId)));
+            assert_eq!(mesh.triangles[2..], [[1, 5, 6], [1, 6, 2]].map(|t| t.map(VertexId)));
         }
         repairs.get("joined_rim_vertices").copied()
     }
@@ -164,17 +171,12 @@ mod tests {
         let points: Vec<Point> = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [1e-9, 0.0]]
             .map(|[x, y]| Point::new(x, y, 0.0))
             .to_vec();
-        let mut triangles = [[0, 1, 2], [0, 2, 3], [4, 3, 1]].map(|t| t.map(VertexId)).to_vec();
+        let triangles = [[0, 1, 2], [0, 2, 3], [4, 3, 1]].map(|t| t.map(VertexId)).to_vec();
+        let mut mesh = Mesh { points, triangles };
         let mut number: Vec<u32> = (0..5).collect();
-        let before = triangles[..2].to_vec();
-        join_rims(
-            &points,
-            &mut triangles,
-            &mut number,
-            (SeamWidth::Auto, 1.0),
-            &mut Repairs::new(),
-        );
-        assert_eq!(triangles[..2], before);
+        let before = mesh.triangles[..2].to_vec();
+        join(&mut mesh, &mut number, (SeamWidth::Auto, 1.0));
+        assert_eq!(mesh.triangles[..2], before);
         assert_eq!(number, [0, 1, 2, 3, 0]);
     }
 }

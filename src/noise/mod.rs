@@ -65,7 +65,7 @@ impl NoiseField {
                 return Self::of_terraces(terraces, &patches, mesh.points.len());
             }
         }
-        let flatness = flatness(mesh, rounding);
+        let flatness = flatness(mesh, rings, rounding);
         if flatness == Flatness::Clean && rounding.is_sure() {
             return none(rounded);
         }

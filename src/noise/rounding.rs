@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use crate::geometry::{FEW, Point, ROUNDING, SAMPLE, VertexId};
-use crate::mesh::{EdgeMap, Mesh};
+use crate::mesh::{Mesh, VertexRings};
 use crate::statistics::{CALM, level, quantile};
 
 /// The distance between neighbouring numbers of a file.
@@ -119,13 +119,15 @@ pub(super) enum Flatness {
 /// So few pairs say nothing: noise makes two flat ones and no other once in a hundred meshes.
 const LEAST_PAIRS: usize = 3;
 
-/// Looks at all pairs of neighbouring triangles.
-pub(super) fn flatness(mesh: &Mesh, rounding: Rounding) -> Flatness {
-    let edges = EdgeMap::new(mesh);
+/// So many sides of triangles tell what all of them do.
+const MOST_SIDES: usize = 1 << 20;
+
+/// Looks at pairs of neighbouring triangles.
+pub(super) fn flatness(mesh: &Mesh, rings: &VertexRings, rounding: Rounding) -> Flatness {
     let least = MODELLING * mesh.diagonal();
     let near: Vec<f64> = mesh.points.par_iter().map(|p| rounding.farthest(p) + least).collect();
     let look = |side: usize| {
-        let other = edges.across(side).filter(|&other| side < other)?;
+        let other = across(mesh, rings, side).filter(|&other| side < other)?;
         bend(mesh, &near, side, other)
     };
     let count = |bend: f64| match bend {
@@ -133,8 +135,10 @@ pub(super) fn flatness(mesh: &Mesh, rounding: Rounding) -> Flatness {
         ..=10.0 => [0, 1],
         _ => [0, 0],
     };
-    let [flat, nearly] = (0..3 * mesh.triangles.len())
+    let sides = 3 * mesh.triangles.len();
+    let [flat, nearly] = (0..sides)
         .into_par_iter()
+        .step_by(sides.div_ceil(MOST_SIDES).max(1))
         .filter_map(look)
         .map(count)
         .reduce(|| [0, 0], |a, b| [a[0] + b[0], a[1] + b[1]]);
@@ -143,6 +147,18 @@ pub(super) fn flatness(mesh: &Mesh, rounding: Rounding) -> Flatness {
         _ if flat > nearly => Flatness::Clean,
         _ => Flatness::Noisy,
     }
+}
+
+/// The other side of the same edge, if two triangles share it.
+fn across(mesh: &Mesh, rings: &VertexRings, side: usize) -> Option<usize> {
+    let (a, b) = mesh.side(side);
+    let of_triangle = |t: usize| {
+        let is_same = |other: &usize| [(a, b), (b, a)].contains(&mesh.side(*other));
+        (3 * t..3 * t + 3).find(is_same)
+    };
+    let around = rings.triangles(a).iter().map(|&t| t as usize).filter(|&t| t != side / 3);
+    let mut others = around.filter_map(of_triangle);
+    others.next().filter(|_| others.next().is_none())
 }
 
 /// The volume between two triangles, as a multiple of what rounding may make of a flat pair; `None`
