@@ -31,7 +31,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Smoothing leaves nothing small, so that a dense scan has more vertices than needed. It is thinned before,
     // unless the user names a tolerance, which holds at every point: `smooth::examine` and its outlook tell what
-    // `thin::thin` may remove, and `smoothed_part` smooths the vertices that stay.
+    // `thin::thin` may remove, and `smoothed_part` smooths the vertices that stay. From two million vertices on,
+    // `thin::average` comes before all of this.
     let (smoothed, smoothing) = smooth::smooth(&measured, &smooth::Options::default())?;
     println!("smooth: noise {:.3} mm, support {:.1} mm", mm * smoothing.noise, mm * smoothing.h);
 

@@ -40,3 +40,20 @@ fn a_dense_scan_is_mapped_with_a_part_of_its_vertices_and_measured_at_all() {
     assert!((face.deviation.rms / NOISE - 1.0).abs() < 0.05, "{}", face.deviation.rms);
     assert_eq!((face.one().loops.len(), face.missed.points), (1, 0));
 }
+
+/// Noise of 1.6 spacings hides details between neighbours.
+#[test]
+fn a_mesh_far_denser_than_its_noise_lets_tell_is_averaged() {
+    let holes = vec![Star { centre: [0.4, 0.6], radius: 0.12, arms: 4.0 }];
+    let scan = VirtualScan::new(relief, [1400, 1600], 0.1, holes, 1);
+    let vertices = scan.points.len();
+    let (face, mapped) = converted(&scan, Options::builder());
+    let thin = face.face().expect("a face").thin;
+    assert!(thin.averaged.is_some_and(|width| (0.15..0.25).contains(&width)), "{thin:?}");
+    assert!((100_000..vertices / 8).contains(&mapped), "{mapped} of {vertices}");
+    assert_eq!(face.deviation.distances.len(), thin.vertices + thin.removed);
+    assert!(face.deviation.distances.len() > vertices - 500);
+    assert!((face.deviation.rms / 0.1 - 1.0).abs() < 0.02, "{}", face.deviation.rms);
+    assert!((face.noise / 0.1 - 1.0).abs() < 0.05, "{}", face.noise);
+    assert_eq!((face.one().loops.len(), face.missed.points), (1, 0));
+}

@@ -6,8 +6,7 @@ use std::borrow::Cow;
 use super::stage::{Observer, within};
 use crate::error::Result;
 use crate::geometry::Point;
-use crate::mesh::{Disk, StandIns, VertexRings};
-use crate::noise::NoiseField;
+use crate::mesh::{Disk, StandIns};
 use crate::progress;
 use crate::stages::thin::{Averaged, ThinnedDisk};
 use crate::stages::{cloud, smooth, thin};
@@ -44,8 +43,12 @@ pub(super) fn smoothed<'a>(
     watch: &mut Observer,
 ) -> Result<Smoothed<'a>> {
     let may_average = dense != Dense::Every && options.support == smooth::Support::Auto;
-    let averaged = if may_average { averaged(rough, watch)? } else { None };
-    let Some((Averaged { disk, stand_ins, .. }, noise, distance)) = averaged else {
+    let density = if may_average { cloud::density(&rough.mesh.points) } else { None };
+    let Some(cloud::Density { spacing, width, .. }) = density else {
+        return of_vertices(rough, options, dense, watch);
+    };
+    let averaged = thin::average(rough, [spacing, width], &mut within("smooth", watch))?;
+    let Some(Averaged { disk, stand_ins, noise, .. }) = averaged else {
         return of_vertices(rough, options, dense, watch);
     };
     let of_means = of_vertices(&disk, options, dense, watch)?;
@@ -58,23 +61,10 @@ pub(super) fn smoothed<'a>(
         measured: of_means.measured.into_owned().into(),
         stand_ins: Some(stand_ins),
         noise,
-        thin: thin::Report { removed, averaged: Some(distance), ..of_means.thin },
+        thin: thin::Report { removed, averaged: Some(width), ..of_means.thin },
         disk: of_means.disk,
         smooth: of_means.smooth,
     })
-}
-
-/// The means of the vertices of a dense disk, with the noise of the vertices and the distance of the means. `None` for a
-/// disk that is not dense, or has no noise.
-fn averaged(rough: &Disk, watch: &mut Observer) -> Result<Option<(Averaged, f64, f64)>> {
-    let Some(density) = cloud::density(&rough.mesh.points) else { return Ok(None) };
-    let noise = NoiseField::new(&rough.mesh, &VertexRings::new(&rough.mesh));
-    if !noise.is_visible || noise.terraces.is_some() {
-        return Ok(None);
-    }
-    let widths = [density.spacing, density.width];
-    let averaged = thin::average(rough, &noise, widths, &mut within("smooth", watch))?;
-    Ok(averaged.map(|averaged| (averaged, noise.deviation, density.width)))
 }
 
 /// Smooths the vertices of a mesh, or some of them.

@@ -8,8 +8,7 @@
 
 mod average;
 
-pub use average::Averaged;
-pub(crate) use average::average;
+pub use average::{Averaged, average};
 
 use crate::error::{Error, Result};
 use crate::geometry::{EQUILATERAL, NONE, Point, VertexId};
