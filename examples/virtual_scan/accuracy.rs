@@ -49,7 +49,7 @@ pub fn row(name: &str, scan: &VirtualScan, is_cloud: bool) -> Result<String, Box
     Ok(format!(
         "| {name} | {} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {m} × {n} |",
         scan.points.len(),
-        conversion.smooth.noise,
+        conversion.noise,
         rms(&distances(&measured)),
         rms(&distances(&smoothed)),
         rms(&distances(&filled)),
