@@ -16,13 +16,14 @@ use crate::noise::NoiseField;
 use crate::progress::{self, Progress};
 
 /// The slope in radians that noise may leave between neighbouring triangles of the places by which vertices are
-/// collapsed. With more, the triangles of a smooth surface look folded.
+/// collapsed. With more, the triangles of a smooth surface look folded. Half of it brings nothing that is significant.
 const SLOPE: f64 = 0.1;
 
 /// Places are blurred so often at least. With fewer rounds they follow a sharp edge, which is then not seen.
 const LEAST_ROUNDS: usize = 4;
 
-/// How often cells are moved to the means of their vertices, which makes them even.
+/// How often cells are moved to the means of their vertices, which makes them even. Without, the face of a relief with
+/// four vertices to a mean was 0.0045 mm from the true surface in place of 0.0038, and with ten rounds 0.0044.
 const ROUNDS: usize = 3;
 
 /// A disk of means.
@@ -52,7 +53,6 @@ pub fn average(
     if !noise.is_visible || noise.terraces.is_some() {
         return Ok(None);
     }
-    progress(0.2)?;
     let measured = disk.mesh.points.as_slice();
     let rings = one_rings(disk);
     let places = blurred(measured, &rings, rounds(noise.deviation, spacing));
@@ -91,10 +91,13 @@ pub fn average(
     Ok(Some(Averaged { disk, stand_ins, noise: noise.deviation }))
 }
 
-/// How often places are blurred so that the noise tilts no triangle much. Each round is a step of a random walk to a
-/// neighbour or to nowhere. After m of them the slope of independent noise is 0.43 σ / (s m).
+/// A round of blurring is a step of a random walk to one of six neighbours or to nowhere. After m rounds, independent
+/// noise σ of vertices s apart has the slope of this times σ / (s m): √(√3 / 2 · 7² / (2 π · 6²)).
+const SLOPE_OF_NOISE: f64 = 0.43;
+
+/// How often places are blurred so that the noise tilts no triangle much.
 fn rounds(noise: f64, spacing: f64) -> usize {
-    ((0.43 * noise / (spacing * SLOPE)).ceil() as usize).max(LEAST_ROUNDS)
+    ((SLOPE_OF_NOISE * noise / (spacing * SLOPE)).ceil() as usize).max(LEAST_ROUNDS)
 }
 
 /// Each place moved to the mean of itself and its neighbours, so many times.
