@@ -74,7 +74,7 @@ pub fn any() -> impl Strategy<Value = Choices> {
         prop_oneof![Just(Smooth::Auto), Just(Smooth::Off), length().prop_map(Smooth::Fixed)];
     let tolerance = maybe(0.5, length());
     let outliers = prop_oneof![Just(0.0), 0.0..0.999];
-    let max_net = prop_oneof![3 => Just(2500_usize), 1 => 16..2500_usize];
+    let max_net = prop_oneof![3 => Just(900_usize), 1 => 16..900_usize];
     let method = prop_oneof![Just(Blend), Just(Global), Just(Refined)];
     let outline = maybe(0.5, prop_oneof![Just(Outline::Sides), Just(Outline::Free)]);
     let cut = prop_oneof![Just(Cut::All), Just(Cut::None), length().prop_map(Cut::FromLength)];
