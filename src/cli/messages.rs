@@ -158,12 +158,7 @@ pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
         let triangles = plural(c.input.island_triangles, "triangle");
         progress.say(&format!("islands: {} kept, {triangles}", c.input.islands));
     }
-    let thin = match &c.fit {
-        BodyFit::Face(fit) => Some(fit.thin),
-        BodyFit::Network(fit) => Some(fit.thin),
-        BodyFit::Exact(_) => None,
-    };
-    if let Some(distance) = thin.and_then(|thin| thin.averaged) {
+    if let Some(distance) = c.thin().and_then(|thin| thin.averaged) {
         progress.say(&format!("vertices: averaged to places {} apart", mm(distance)));
     }
     if c.smooth.outliers > 0 {

@@ -344,6 +344,15 @@ impl Body {
         }
     }
 
+    /// What was averaged and thinned before the smoothing. `None` if its faces are exact.
+    pub fn thin(&self) -> Option<thin::Report> {
+        match &self.fit {
+            BodyFit::Face(fit) => Some(fit.thin),
+            BodyFit::Network(fit) => Some(fit.thin),
+            BodyFit::Exact(_) => None,
+        }
+    }
+
     /// The surfaces and their figures, if the body has several faces.
     pub fn network(&self) -> Option<&NetworkFit> {
         match &self.fit {

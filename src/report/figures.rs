@@ -273,11 +273,7 @@ impl BodyFigures {
             tolerance_met: body.tolerance_met(outliers),
             smooth: SmoothFigures::of(&body.smooth),
             fill: FillFigures { holes: filled_holes(&body.fill, &body.trimmed) },
-            thin: match &body.fit {
-                BodyFit::Face(fit) => Some(ThinFigures::of(fit.thin)),
-                BodyFit::Network(fit) => Some(ThinFigures::of(fit.thin)),
-                BodyFit::Exact(_) => None,
-            },
+            thin: body.thin().map(ThinFigures::of),
             parameterize: face.map(map),
             fit: FitFigures::of(body),
             deviation: DeviationFigures::of(&body.deviation),

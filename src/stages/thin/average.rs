@@ -1,5 +1,5 @@
-//! Averaging before anything else: where the vertices of a mesh are far denser than their noise lets tell, each mean of
-//! those around a place takes theirs.
+//! Averaging before anything else. Where the vertices of a mesh are far denser than their noise lets tell, means of
+//! them take their place.
 //!
 //! Without it, every stage would work on each vertex, and the smoothing would try supports that are no wider than the
 //! noise. Vertices are collapsed as in [`thin`](super::thin). What is left moves to the means of the vertices near it.
