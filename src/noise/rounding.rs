@@ -156,7 +156,10 @@ fn across(mesh: &Mesh, rings: &VertexRings, side: usize) -> Option<usize> {
         let is_same = |other: &usize| [(a, b), (b, a)].contains(&mesh.side(*other));
         (3 * t..3 * t + 3).find(is_same)
     };
-    let around = rings.triangles(a).iter().map(|&t| t as usize).filter(|&t| t != side / 3);
+    // Both ends have all triangles of the edge, but one may have very many others.
+    let [around, others] = [a, b].map(|v| rings.triangles(v));
+    let around = if around.len() <= others.len() { around } else { others };
+    let around = around.iter().map(|&t| t as usize).filter(|&t| t != side / 3);
     let mut others = around.filter_map(of_triangle);
     others.next().filter(|_| others.next().is_none())
 }
