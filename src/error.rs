@@ -173,6 +173,11 @@ pub enum Error {
         /// One of them.
         at: Point,
     },
+    /// A body encloses no volume, as where a flat sheet is to become a solid.
+    #[error(
+        "the body would enclose no volume: it is no thicker than its noise or the rounding of its numbers"
+    )]
+    Flat,
     /// A trim loop crosses itself, another one or the edge of the patch.
     #[error("the trim loop of {of} {fault}, near {}", mm(at))]
     Trim {
@@ -451,6 +456,7 @@ impl Error {
             Error::Folded { .. } | Error::BodyFolds { .. } => {
                 "repair or remesh the scan around that place".into()
             }
+            Error::Flat => "ask for a face or a shell (`shape`)".into(),
             Error::ManyFaces(_) => "name the number of `faces`, thin the scan, convert a part of it, or name the `shape` face with a `tolerance` that passes over its details".into(),
             Error::Layout(_) => {
                 "remesh the scan with even triangles, or cut it open and convert the pieces".into()

@@ -10,7 +10,8 @@ use super::smoothed::{Dense, Smoothed, smoothed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape, goal, input};
 use crate::deviation::NetworkFaces;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::geometry::ROUNDING;
 use crate::mesh::{Components, Patch};
 use crate::spline::Network;
 use crate::stages::adapt::Goal;
@@ -46,6 +47,13 @@ pub(super) fn body(
     };
     drop(means);
     drop(rough);
+    if shape != TargetShape::Shell {
+        let mesh = &patch.mesh;
+        let thickness = 2.0 * mesh.signed_volume().abs() / mesh.area();
+        if thickness <= smooth.noise.max(ROUNDING * mesh.diagonal()) {
+            return Err(Error::Flat);
+        }
+    }
     let is_clean = !goal.named && !smooth.is_noisy;
     let facets = if is_clean { goal::of_facets(&measured.mesh) } else { 0.0 };
     measured.mesh.triangles = Vec::new();
