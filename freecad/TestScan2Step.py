@@ -89,6 +89,20 @@ class Scans(unittest.TestCase):
         _, result = self.converted(source, shape="face", tolerance=0.6)
         self.assertEqual(result.Shape.ShapeType, "Face")
 
+    def test_meshes_that_overlap_become_one_face(self):
+        whole, twice = Mesh.Mesh(fixture("relief.ply")), Mesh.Mesh()
+        box = whole.BoundBox
+        points, triangles = whole.Topology
+        for low, high in ((-1.0, 0.6), (0.4, 2.0)):
+            share = [(p.x - box.XMin) / box.XLength for p in points]
+            kept = [t for t in triangles if all(low <= share[k] <= high for k in t)]
+            twice.addFacets([[points[k] for k in t] for t in kept])
+        source = self.document.addObject("Mesh::Feature", "scan")
+        source.Mesh = twice
+        made, result = self.converted(source, points="alone", shape="face", tolerance=1.0)
+        self.assertEqual(result.Shape.ShapeType, "Face")
+        self.assertGreater(result.Shape.BoundBox.XLength, 0.95 * box.XLength)
+
     def test_changes_make_a_result_stale_and_never_convert(self):
         source = self.scan("relief.ply")
         _, result = self.converted(source, tolerance=0.5)

@@ -17,6 +17,7 @@ OPTIONS = {
     "smooth": ("App::PropertyEnumeration", ["auto", "off"], "Smoothing of the scan"),
     "sizes": ("App::PropertyEnumeration", ["as measured", "round"], "Radii, angles and distances of planes in the scan of a part: as measured, or round where that is within two standard deviations"),
     "weld": ("App::PropertyLength", 0.0, "Points of rims that are not farther from each other are one; 0: what the scan tells"),
+    "points": ("App::PropertyEnumeration", ["with their triangles", "alone"], "What is taken of a mesh; alone: new triangles are laid through its points, which joins meshes that overlap"),
     "face_count": ("App::PropertyIntegerConstraint", (0, 0, 100000, 1), "About how many faces a solid or a shell gets; 0: as many as its shape needs"),
     "handles": ("App::PropertyLength", 0.0, "Cut handles whose loop is not longer; 0: a few edges"),
     "outline": ("App::PropertyEnumeration", ["auto", "sides", "trimmed"], "Where the outer boundary of a face goes: the sides of its surface, or a trim loop"),
@@ -47,6 +48,7 @@ def arguments(values):
         "outliers": values["outliers"] / 100.0,
         "keep_fills": values["holes"] == "filled",
         "regularize": values["sizes"] == "round",
+        "remesh": values["points"] == "alone",
     }
     for name in ("tolerance", "handles", "rim_tolerance", "fill_only_holes_below", "weld"):
         if values[name] > 0:

@@ -16,6 +16,7 @@ TITLES = {
     "smooth": "Smoothing",
     "sizes": "Sizes of a part",
     "weld": "Join rims up to (mm)",
+    "points": "Points of a mesh",
     "face_count": "Number of faces",
     "handles": "Cut handles up to (mm)",
     "outline": "Outer boundary",
