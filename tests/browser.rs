@@ -4,6 +4,7 @@ mod common;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::LazyLock;
 
 use common::{arg, converted, fixture, root};
 use serde_json::Value;
@@ -69,6 +70,10 @@ impl Looked {
     }
 }
 
+/// Several tests look at the same page.
+static RELIEF: LazyLock<Looked> =
+    LazyLock::new(|| Looked::at(&fixture("relief.ply"), &["--units", "mm"]));
+
 fn is_red([r, _, b]: [u8; 3]) -> bool {
     r > b.saturating_add(30)
 }
@@ -83,7 +88,7 @@ fn is_dark([r, g, b]: [u8; 3]) -> bool {
 
 #[test]
 fn a_page_renders_turns_and_says_no_error() {
-    let looked = Looked::at(&fixture("relief.ply"), &[]);
+    let looked = &*RELIEF;
     let said = &looked.said;
     assert_eq!(said["console"], Value::Array(Vec::new()), "the console says nothing");
     assert_eq!(said["requests"], Value::Array(Vec::new()), "nothing is loaded");
@@ -145,7 +150,7 @@ fn a_page_is_whole_on_a_desktop_and_on_a_telephone() {
 
 #[test]
 fn a_keyboard_and_a_screen_reader_reach_every_figure() {
-    let looked = Looked::at(&fixture("relief.ply"), &["--units", "mm"]);
+    let looked = &*RELIEF;
     let said = &looked.said;
     assert_eq!(texts(&said["unnamed"]), Vec::<&str>::new());
     let keys = &said["keys"];
@@ -190,7 +195,7 @@ fn a_keyboard_and_a_screen_reader_reach_every_figure() {
 
 #[test]
 fn a_page_is_light_or_dark_as_the_system_or_its_button_says() {
-    let looked = Looked::at(&fixture("relief.ply"), &["--keep-fills"]);
+    let looked = &*RELIEF;
     assert!(looked.share("front", is_dark) < 0.05);
     assert!(looked.share("dark", is_dark) > 0.4);
     assert!(looked.share("light-again", is_dark) < 0.05);
@@ -202,7 +207,7 @@ fn a_name_that_is_a_program_does_not_run() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let scan = folder.path().join(common::PLANTED);
     std::fs::copy(fixture("relief.ply"), &scan).expect("a copy");
-    let looked = Looked::at(&scan, &[]);
+    let looked = Looked::at(&scan, &["--keep-fills"]);
     assert_eq!(looked.said["heading"], common::PLANTED);
     assert_eq!(looked.said["unplanted"], true, "it did not run");
     assert_eq!(looked.said["console"], Value::Array(Vec::new()));

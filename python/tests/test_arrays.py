@@ -158,7 +158,7 @@ def test_masks_and_numbers_that_are_none_are_refused(relief: str) -> None:
 
 
 def test_a_sheet_that_is_no_solid_is_refused() -> None:
-    points, faces = sheet()
+    points, faces = sheet(8)
     with pytest.raises(scan2step.ScanError):
         scan2step.convert(points, faces, shape="solid")
 

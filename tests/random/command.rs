@@ -75,7 +75,7 @@ fn any_value_for_any_option() {
     scan.write_ply(&mut file.expect("a file")).expect("a scan");
     let typed = (prop::sample::select(&OPTIONS[..]), prop::sample::select(&VALUES[..]));
     let done = std::cell::Cell::new(0);
-    let held = runner(400).run(&prop::collection::vec(typed, 1..3), |typed| {
+    let held = runner(150).run(&prop::collection::vec(typed, 1..3), |typed| {
         let mut run = Command::new(env!("CARGO_BIN_EXE_scan2step"));
         run.args(["convert", "a.ply", "a.step", "--quiet"]).current_dir(folder.path());
         // A net without a bound takes seconds to miss an extremely small tolerance.
