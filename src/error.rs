@@ -73,11 +73,12 @@ pub enum Error {
     },
     /// The conversion may need more memory than the caller allows.
     #[error(
-        "may need {} for {}, {} and up to {}; --max-memory allows {}",
+        "may need {} for {}, {} and up to {}{}; --max-memory allows {}",
         bytes(*needed),
         plural(*vertices, "vertex"),
         plural(*triangles, "triangle"),
         plural(*control_points, "control point"),
+        averaged.map_or(String::new(), |least| format!(", and {} with means of them", bytes(least))),
         bytes(*allowed)
     )]
     MaxMemory {
@@ -91,6 +92,8 @@ pub enum Error {
         triangles: usize,
         /// The largest number of control points.
         control_points: usize,
+        /// Bytes that it may need if few means take the place of the points or vertices, if they may.
+        averaged: Option<u64>,
     },
     /// The component has one side only.
     #[error("the surface is one-sided (a Möbius strip is in it) and cannot be oriented")]
@@ -432,7 +435,7 @@ impl Error {
             }
             Error::Vertex { .. } => "count vertices as the file does, from 0".into(),
             Error::MaxMemory { .. } => {
-                "allow more, bound the net with a smaller `max_net`, or thin the scan".into()
+                "allow more, leave out the `tolerance`, bound the net with a smaller `max_net`, or take the points of a mesh alone with `remesh`".into()
             }
             Error::NotOrientable => "cut the strip open, or choose another `component`".into(),
             Error::NotADisk { loops: 0, .. } => {

@@ -135,11 +135,11 @@ pub mod words;
 pub use convert::{
     AssemblyConversion, Body, BodyEstimate, BodyFit, Builder, Conversion, ConvertedPart, Cut,
     EdgeChoice, ExactEstimate, ExactFace, ExactFit, FaceSize, InputReport, InspectedPart,
-    Inspection, LeftFilled, Measured, MeasuredPlace, MeasuredScene, Memory, Missed, NetworkFit,
-    Observer, Options, Part, PartColours, PartObserver, PieceReport, Scan, ScanPlace, ScenePart,
-    SceneParts, Seams, Stage, SurfaceChoice, SurfaceFit, TargetShape, cloud_components, convert,
-    convert_file, convert_scene, cropped, cut, inspect, is_same_file, measured, mesh_components,
-    shape, voids,
+    Inspection, LeftFilled, MeansOf, Measured, MeasuredPlace, MeasuredScene, Memory, Missed,
+    NetworkFit, Observer, Options, Part, PartColours, PartObserver, PieceReport, Scan, ScanPlace,
+    ScenePart, SceneParts, Seams, Stage, SurfaceChoice, SurfaceFit, TargetShape, cloud_components,
+    convert, convert_file, convert_scene, cropped, cut, inspect, is_same_file, measured,
+    mesh_components, shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

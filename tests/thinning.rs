@@ -6,18 +6,22 @@ mod common;
 use common::virtual_scan::{Star, VirtualScan, relief};
 use common::{OneFace, face_seen};
 use formats::Soup;
-use scan2step::{Body, Builder, Options, Stage};
+use scan2step::{Body, Builder, Error, Options, Stage};
 
-/// The noise in mm of a sheet of 160 × 220 mm.
+/// The noise in mm of a sheet of 100 × 80 mm.
 const NOISE: f64 = 0.15;
+
+fn soup(scan: &VirtualScan) -> Soup {
+    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
+    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    soup
+}
 
 /// A conversion, and the number of vertices of its map.
 fn converted(scan: &VirtualScan, options: Builder) -> (Body, usize) {
-    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
-    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
     let mut mapped = 0;
     let options = options.build().expect("sound options");
-    let conversion = face_seen(&soup, &options, &mut |stage| {
+    let conversion = face_seen(&soup(scan), &options, &mut |stage| {
         if let Stage::Parameterize(map, _) = stage {
             mapped = map.uv.len();
         }
@@ -56,4 +60,28 @@ fn a_mesh_far_denser_than_its_noise_lets_tell_is_averaged() {
     assert!((face.deviation.rms / 0.1 - 1.0).abs() < 0.02, "{}", face.deviation.rms);
     assert!((face.noise / 0.1 - 1.0).abs() < 0.05, "{}", face.noise);
     assert_eq!((face.one().loops.len(), face.missed.points), (1, 0));
+}
+
+/// A mesh of 60,000 vertices may need 600 MB, and means of them at 14,000 places 250 MB.
+#[test]
+fn memory_bounds_the_number_of_means() {
+    const ALLOWED: u64 = 250_000_000;
+    let sheet = |noise: f64| VirtualScan::new(relief, [220, 270], noise, vec![], 1);
+    let bounded = || Options::builder().max_memory(ALLOWED);
+    let scan = sheet(0.3);
+    let (face, mapped) = converted(&scan, bounded());
+    let thin = face.face().expect("a face").thin;
+    assert!((10_000..30_000).contains(&mapped), "{mapped}");
+    assert!(thin.averaged.is_some_and(|width| (0.6..0.75).contains(&width)), "{thin:?}");
+    let measured = face.deviation.distances.len();
+    assert_eq!(measured, thin.vertices + thin.removed);
+    assert!(measured > scan.points.len() - 500, "{measured}");
+    assert!((face.deviation.rms / 0.3 - 1.0).abs() < 0.05, "{}", face.deviation.rms);
+    // A named tolerance holds at every vertex, and without noise nothing hides what means lose.
+    for (scan, options) in [(&scan, bounded().tolerance(0.5)), (&sheet(0.0), bounded())] {
+        let options = options.build().expect("sound options");
+        let refused = face_seen(&soup(scan), &options, &mut |_| Ok(()));
+        let Err(Error::MaxMemory { needed, allowed, .. }) = refused else { panic!("{refused:?}") };
+        assert!(needed > allowed && allowed == ALLOWED, "{needed}");
+    }
 }

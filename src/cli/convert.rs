@@ -50,7 +50,8 @@ pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     let fitting = fitting(args, &scan, &named)?;
     if let Some(places) = fitting.most_places() {
         let places = plural(places, "place");
-        progress.say(&format!("memory: --max-memory allows the means of the points at {places}"));
+        let of = if scan.source.cloud.is_some() { "points" } else { "vertices" };
+        progress.say(&format!("memory: --max-memory allows the means of the {of} at {places}"));
     }
     let options = scan.resolved(&fitting)?;
     let (scan, components) = mesh(scan, &options, &mut progress, &mut stages)?;

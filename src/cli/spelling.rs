@@ -2,7 +2,7 @@
 
 /// The names of options in the library, which stand in backticks in its messages, and those
 /// on the command line.
-const OPTIONS: [(&str, &str); 25] = [
+const OPTIONS: [(&str, &str); 27] = [
     ("shape", "--shape"),
     ("unit", "--units"),
     ("component", "--component"),
@@ -11,6 +11,8 @@ const OPTIONS: [(&str, &str); 25] = [
     ("outer", "--outer"),
     ("scan", "--scan"),
     ("spacing", "--spacing"),
+    ("max_points", "--max-points"),
+    ("remesh", "--remesh"),
     ("smooth", "--smooth"),
     ("boundary_corners", "--boundary-corners"),
     ("corners", "--corners"),

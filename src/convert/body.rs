@@ -32,7 +32,7 @@ pub(super) fn body(
     // A layout of a thinned mesh has other blocks, and its faces were farther from the true surface of a body of a
     // million vertices. So each vertex stays, or each mean.
     let dense = if options.tolerance.is_some() { Dense::Every } else { Dense::Means };
-    let found = smoothed(&rough, &options.smooth, dense, watch)?;
+    let found = smoothed(&rough, &options.smooth, dense, options.bound.as_ref(), watch)?;
     let Smoothed { disk, measured: means, stand_ins, noise, thin, smooth } = found;
     watch(Stage::Smooth(&disk))?;
     let noise = scan.raw_points().map_or(noise, |raw| raw.noise().max(noise));

@@ -7,6 +7,7 @@ use formats::scene::Placement;
 use super::conversion::{Body, Part, placed};
 use super::exact::{self, Exact};
 use super::lengths::Shown;
+use super::memory::MemoryBound;
 use super::shape::{TargetShape, shape};
 use super::{Conversion, Observer, Options, Stage, body, exact_choice, face, hints, scanned};
 use crate::error::{Error, Result};
@@ -23,7 +24,11 @@ pub(super) fn converted(
     watch: &mut Observer,
 ) -> Result<Conversion> {
     let mut fallback = None;
-    if exact::are_wanted(scan, options) && !exact::is_noisy(scan, options.component) {
+    let may_be_exact = exact::are_wanted(scan, options)
+        && !exact::is_noisy(scan, options.component, options.bound.is_some())?;
+    if may_be_exact {
+        // Only noise hides what means lose.
+        options.bound.as_ref().map_or(Ok(()), MemoryBound::refuse)?;
         let chosen = with_voids(scan, exact_choice::chosen(scan, options)?)?;
         let found = match exact::exact(scan, &chosen, options, watch)? {
             Exact::Unsuited => scanned::scanned(scan, &chosen, options, watch)?,
@@ -104,7 +109,7 @@ fn one(bodies: Vec<Body>, options: &Options, fallback: Option<String>) -> Result
 fn is_final(error: &Error) -> bool {
     match error {
         Error::Piece { error, .. } => is_final(error),
-        error => matches!(error, Error::Stopped | Error::ManyFaces(_)),
+        error => matches!(error, Error::Stopped | Error::ManyFaces(_) | Error::MaxMemory { .. }),
     }
 }
 

@@ -42,10 +42,15 @@ pub(super) fn are_wanted(scan: &Components, options: &Options) -> bool {
 const SAMPLED: usize = 2000;
 
 /// Whether a sample of a large component tells that it is noisy, so that no part of it needs to be taken for exact faces.
-pub(super) fn is_noisy(scan: &Components, component: Choice) -> bool {
-    let Some(sample) = scan.sampled(component, SAMPLED) else { return false };
-    let errors = FileRounding::errors_of(&sample.points, scan.unit());
-    !is_clean(scan, component, &Tessellation::new(&sample, &errors.bounds))
+/// Of a small one the whole is looked at later, unless it is asked for now.
+pub(super) fn is_noisy(scan: &Components, component: Choice, now: bool) -> Result<bool> {
+    let mesh = match scan.sampled(component, SAMPLED) {
+        Some(sample) => sample,
+        None if now => scan.take_whole(component)?.own_mesh().clone(),
+        None => return Ok(false),
+    };
+    let errors = FileRounding::errors_of(&mesh.points, scan.unit());
+    Ok(!is_clean(scan, component, &Tessellation::new(&mesh, &errors.bounds)))
 }
 
 /// Whether the flat pairs of a mesh tell that it is clean. Where they tell nothing, an open mesh is a scan: of a grid whose
@@ -240,6 +245,9 @@ impl ExactEstimate {
 
 /// The exact faces of a component, if it is clean and they are significant.
 pub(super) fn estimate(scan: &Components, component: Choice) -> Result<Option<ExactEstimate>> {
+    if is_noisy(scan, component, false)? {
+        return Ok(None);
+    }
     let options = Options::default();
     let shape = exact_choice::shape(scan, component, None)?;
     let Some(shape) = shape.filter(|_| are_wanted(scan, &options)) else { return Ok(None) };

@@ -28,7 +28,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     let rough = scan.at_measured_places(&measured);
     // A tolerance that the user names is held at every point.
     let dense = if options.tolerance.is_some() { Dense::Every } else { Dense::Thinned };
-    let found = smoothed(&rough, &options.smooth, dense, watch)?;
+    let found = smoothed(&rough, &options.smooth, dense, options.bound.as_ref(), watch)?;
     let Smoothed { disk, measured: means, stand_ins, noise, thin, smooth } = found;
     watch(Stage::Smooth(&disk))?;
     // Vertices that stand for several points have less noise than these.

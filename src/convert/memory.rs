@@ -6,6 +6,7 @@ use formats::{Scene, Soup};
 use super::Options;
 use crate::error::{Error, Result};
 use crate::stages::cloud;
+use crate::stages::smooth::Support;
 
 /// The counts that decide how much memory a conversion takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,12 +19,23 @@ pub struct Memory {
     pub points: usize,
     /// The largest number of control points that the fit may use.
     pub control_points: usize,
-    /// Whether means of the points are meshed ([`Options::fitting`]), and not the points.
-    pub is_averaged: bool,
+    /// What the vertices are means of ([`Options::fitting`]).
+    pub averaged: MeansOf,
     /// Whether a report draws the scan, too: a page or a picture.
     pub is_drawn: bool,
     /// Whether the scan may become a solid or a shell.
     pub may_be_body: bool,
+}
+
+/// What vertices are means of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeansOf {
+    /// Of nothing: they are those of the scan.
+    Nothing,
+    /// Of the points of a cloud.
+    Points,
+    /// Of the vertices of a mesh with so many vertices and triangles.
+    Mesh([usize; 2]),
 }
 
 /// Bytes of the program itself.
@@ -35,10 +47,14 @@ const PROGRAM: u64 = 25_000_000;
 /// the fills add, so the estimate takes the worst case and a quarter more.
 const TRIANGLE: u64 = 1_000;
 /// The same for each point of a cloud that stays while its mesh is converted: its place, its vertex and
-/// its distance from the face. Making the mesh takes less than the stages after it.
+/// its distance from the face. Making the mesh takes less than the stages after it. A vertex whose mean is smoothed takes
+/// as much: 190 were measured.
 const VERTEX: u64 = 200;
 /// The same for each point of a cloud of which means are meshed. Measured: 125 for 20 million points.
 const AVERAGED_POINT: u64 = 160;
+/// The same for each vertex of a mesh and each of its triangles, while means are taken of its vertices. Measured: 288 and
+/// 277 for a vertex with its two triangles, of 4 and 20 million.
+const AVERAGING: [u64; 2] = [100, 95];
 
 /// Fewer places than these are not chosen to save memory.
 const LEAST_PLACES: usize = 10_000;
@@ -70,7 +86,7 @@ impl Memory {
             vertices,
             triangles,
             points: 0,
-            is_averaged: false,
+            averaged: MeansOf::Nothing,
             control_points,
             is_drawn: false,
             may_be_body: false,
@@ -105,22 +121,36 @@ impl Memory {
     pub fn bytes(&self) -> u64 {
         let (picture, drawn) = if self.is_drawn { (PICTURE, DRAWN_TRIANGLE) } else { (0, 0) };
         let each = |count: usize, bytes: u64| (count as u64).saturating_mul(bytes);
+        let (before, kept) = match self.averaged {
+            MeansOf::Nothing => (0, each(self.points, VERTEX)),
+            MeansOf::Points => (0, each(self.points, AVERAGED_POINT)),
+            MeansOf::Mesh([vertices, triangles]) => {
+                let before = each(vertices, AVERAGING[0])
+                    .saturating_add(each(triangles, AVERAGING[1] + drawn));
+                (before, each(vertices, VERTEX))
+            }
+        };
         let parts = [
             picture,
             if self.may_be_body { BODY } else { 0 },
-            each(self.points, if self.is_averaged { AVERAGED_POINT } else { VERTEX }),
+            kept,
             each(self.triangles, TRIANGLE + drawn),
             each(self.vertices, VERTEX),
             each(self.control_points, CONTROL_POINT),
         ];
-        parts.into_iter().fold(PROGRAM, u64::saturating_add)
+        let after = parts.into_iter().fold(0, u64::saturating_add);
+        before.max(after).saturating_add(PROGRAM)
     }
 
-    /// The same for a cloud of which the means at so many places are meshed.
+    /// The same for a cloud or a mesh of which the means at so many places are taken.
     fn averaged(&self, places: usize, options: &Options) -> Self {
         let of_means = Memory::of_counts([places, places.saturating_mul(2)], options);
-        let &Memory { points, is_drawn, may_be_body, .. } = self;
-        Memory { points, is_averaged: true, is_drawn, may_be_body, ..of_means }
+        let &Memory { vertices, triangles, points, is_drawn, may_be_body, .. } = self;
+        let averaged = match points {
+            0 => MeansOf::Mesh([vertices, triangles]),
+            _ => MeansOf::Points,
+        };
+        Memory { points, averaged, is_drawn, may_be_body, ..of_means }
     }
 
     /// Refuses a conversion that may need more bytes than allowed.
@@ -128,34 +158,84 @@ impl Memory {
     /// # Errors
     /// [`Error::MaxMemory`]: it may.
     pub fn check(&self, allowed: u64) -> Result<()> {
+        self.check_with(allowed, None)
+    }
+
+    /// The same, where means may need so many bytes.
+    fn check_with(&self, allowed: u64, averaged: Option<u64>) -> Result<()> {
         let Memory { vertices, triangles, control_points, .. } = *self;
         match self.bytes() {
             needed if needed <= allowed => Ok(()),
-            needed => {
-                Err(Error::MaxMemory { needed, allowed, vertices, triangles, control_points })
-            }
+            needed => Err(Error::MaxMemory {
+                needed,
+                allowed,
+                vertices,
+                triangles,
+                control_points,
+                averaged,
+            }),
         }
     }
 }
 
 impl Options {
-    /// The same for a conversion that may need `memory`, and is allowed so many bytes. If the points of a cloud may need
-    /// more, their means at fewer places are meshed: at as many as fit.
+    /// The same for a conversion that may need `memory`, and is allowed so many bytes. If the points of a cloud or the
+    /// vertices of a mesh may need more, their means at fewer places are taken: at as many as fit. A mesh whose noise does
+    /// not hide what means lose is refused by its conversion.
     ///
     /// # Errors
-    /// [`Error::MaxMemory`]: a mesh may need more, or a cloud even with its means at 10,000 places.
+    /// [`Error::MaxMemory`]: it may need more even with means at 10,000 places, or is a mesh each of whose vertices counts,
+    /// as the options name a tolerance or how it is smoothed.
     pub fn fitting(&self, memory: &Memory, allowed: u64) -> Result<Options> {
-        let fits = |places: usize| memory.averaged(places, self).bytes() <= allowed;
-        if memory.bytes() <= allowed || memory.points <= LEAST_PLACES || !fits(LEAST_PLACES) {
-            return memory.check(allowed).map(|()| self.clone());
+        let is_mesh = memory.points == 0;
+        let count = if is_mesh { memory.vertices } else { memory.points };
+        let may_average =
+            !is_mesh || (self.tolerance.is_none() && self.smooth.support == Support::Auto);
+        let bytes = |places: usize| memory.averaged(places, self).bytes();
+        let least = (may_average && count > LEAST_PLACES).then(|| bytes(LEAST_PLACES));
+        if memory.bytes() <= allowed || least.is_none_or(|least| least > allowed) {
+            return memory.check_with(allowed, least).map(|()| self.clone());
         }
-        let (mut few, mut many) = (LEAST_PLACES, memory.points);
+        let (mut few, mut many) = (LEAST_PLACES, count);
         while many - few > 1 {
             let middle = few.midpoint(many);
-            *(if fits(middle) { &mut few } else { &mut many }) = middle;
+            *(if bytes(middle) <= allowed { &mut few } else { &mut many }) = middle;
+        }
+        if is_mesh {
+            let bound = Some(MemoryBound { memory: *memory, allowed, places: few });
+            return Ok(Options { bound, ..self.clone() });
         }
         let cloud = cloud::Options { most_places: Some(few), ..self.cloud.clone() };
         Ok(Options { cloud, ..self.clone() })
+    }
+}
+
+/// A bound on memory that a mesh holds if it is averaged.
+#[derive(Debug, Clone)]
+pub(crate) struct MemoryBound {
+    /// What the mesh may need otherwise.
+    memory: Memory,
+    allowed: u64,
+    places: usize,
+}
+
+impl MemoryBound {
+    /// The largest number of means.
+    pub(super) fn places(&self) -> usize {
+        self.places
+    }
+
+    /// The same for a component of so many vertices.
+    pub(super) fn most_of(&self, vertices: usize) -> usize {
+        (vertices as f64 / self.memory.vertices as f64 * self.places as f64) as usize
+    }
+
+    /// Refuses a mesh that cannot be averaged.
+    ///
+    /// # Errors
+    /// [`Error::MaxMemory`].
+    pub(super) fn refuse(&self) -> Result<()> {
+        self.memory.check(self.allowed)
     }
 }
 
@@ -213,8 +293,22 @@ mod tests {
         assert!(memory.averaged(fitting, &options).bytes() <= 1_000_000_000);
         assert!(memory.averaged(fitting + 1, &options).bytes() > 1_000_000_000);
         assert!(places(200_000_000).is_err());
-        let mesh = Memory::of_counts([1_000_000, 2_000_000], &options);
-        assert!(options.fitting(&mesh, 1_000_000_000).is_err());
+    }
+
+    #[test]
+    fn a_mesh_is_averaged_unless_each_vertex_counts() {
+        let named = Options::builder().tolerance(0.1).build().unwrap();
+        let memory = Memory::of_counts([1_000_000, 2_000_000], &Options::default());
+        let places = |options: &Options, allowed| {
+            options.fitting(&memory, allowed).map(|options| options.most_places())
+        };
+        let options = Options::default();
+        assert_eq!(places(&options, memory.bytes()).unwrap(), None);
+        let fitting = places(&options, 1_000_000_000).unwrap().unwrap();
+        assert!(memory.averaged(fitting, &options).bytes() <= 1_000_000_000);
+        assert!(memory.averaged(fitting + 1, &options).bytes() > 1_000_000_000);
+        assert!(places(&options, 300_000_000).is_err());
+        assert!(places(&named, 1_000_000_000).is_err());
     }
 
     #[test]

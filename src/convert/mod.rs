@@ -49,7 +49,7 @@ pub use exact::ExactEstimate;
 pub use face_colours::PartColours;
 pub use file::{convert_file, is_same_file};
 pub use input::{InputReport, Inspection, Measured, PieceReport, inspect, measured};
-pub use memory::Memory;
+pub use memory::{MeansOf, Memory};
 pub use options::{Builder, EdgeChoice, Options, SurfaceChoice};
 pub use places::ScanPlace;
 pub use scan::{Scan, convert};

@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use super::memory::MemoryBound;
 use super::stage::{Observer, within};
 use crate::error::Result;
 use crate::geometry::Point;
@@ -35,20 +36,21 @@ pub(super) enum Dense {
     Thinned,
 }
 
-/// Smooths a mesh.
+/// Smooths a mesh. With a bound on the memory, it is averaged until no more is needed.
+///
+/// # Errors
+/// Those of the stages, and [`Error::MaxMemory`](crate::error::Error::MaxMemory) if more may be needed nevertheless.
 pub(super) fn smoothed<'a>(
     rough: &'a Disk,
     options: &smooth::Options,
     dense: Dense,
+    bound: Option<&MemoryBound>,
     watch: &mut Observer,
 ) -> Result<Smoothed<'a>> {
     let may_average = dense != Dense::Every && options.support == smooth::Support::Auto;
-    let density = if may_average { cloud::density(&rough.mesh.points) } else { None };
-    let Some(cloud::Density { spacing, width, .. }) = density else {
-        return of_vertices(rough, options, dense, watch);
-    };
-    let averaged = thin::average(rough, [spacing, width], &mut within("smooth", watch))?;
-    let Some(Averaged { disk, stand_ins, noise, .. }) = averaged else {
+    let averaged = if may_average { averaged(rough, bound, watch)? } else { None };
+    let Some(Averaged { disk, stand_ins, noise, width, .. }) = averaged else {
+        bound.map_or(Ok(()), MemoryBound::refuse)?;
         return of_vertices(rough, options, dense, watch);
     };
     let of_means = of_vertices(&disk, options, dense, watch)?;
@@ -65,6 +67,21 @@ pub(super) fn smoothed<'a>(
         disk: of_means.disk,
         smooth: of_means.smooth,
     })
+}
+
+/// The mesh of means, if the vertices of a mesh are much denser than their noise lets tell, or if memory bounds them.
+fn averaged(
+    rough: &Disk,
+    bound: Option<&MemoryBound>,
+    watch: &mut Observer,
+) -> Result<Option<Averaged>> {
+    let points = &rough.mesh.points;
+    let Some(cloud::Density { spacing, width, .. }) = cloud::density(points, bound.is_some())
+    else {
+        return Ok(None);
+    };
+    let most = bound.map(|bound| bound.most_of(points.len()));
+    thin::average(rough, [spacing, width], most, &mut within("smooth", watch))
 }
 
 /// Smooths the vertices of a mesh, or some of them.

@@ -122,8 +122,8 @@ pub struct Manner {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = RUN)]
     pub threads: Option<u16>,
-    /// Refuse a scan that may need more memory than this, as 4G; a cloud is averaged to as many places as fit; the
-    /// estimate uses the counts of the scan and the largest net
+    /// Average a scan that may need more memory than this, as 4G, to as many places as fit, or refuse it; the estimate
+    /// uses the counts of the scan and the largest net
     #[arg(long, value_name = "SIZE", help_heading = RUN)]
     pub max_memory: Option<bytesize::ByteSize>,
     /// Print errors only, and a note if a named tolerance is not met

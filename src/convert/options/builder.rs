@@ -297,7 +297,8 @@ impl Builder {
 
     /// The number of bytes that the conversion may need, by the estimate of
     /// [`Memory`](crate::convert::Memory). [`convert`](crate::convert) refuses a scan that may need
-    /// more before its work begins. Of a cloud it meshes the means at as many places as fit. Without: no bound.
+    /// more before its work begins. If it suffices, it takes means of the points or vertices at as many places as fit. Without:
+    /// no bound.
     pub fn max_memory(mut self, bytes: impl Into<Option<u64>>) -> Self {
         self.0.max_memory = bytes.into();
         self

@@ -6,6 +6,7 @@ pub use builder::Builder;
 
 use formats::LengthUnit;
 
+use super::memory::MemoryBound;
 use super::places::NamedPlaces;
 use super::{Cut, TargetShape};
 use crate::error::{Error, Result, of};
@@ -60,6 +61,8 @@ pub struct Options {
     pub(crate) cut: Cut,
     pub(crate) threads: Option<usize>,
     pub(crate) max_memory: Option<u64>,
+    /// A mesh is averaged, as it may need more memory otherwise.
+    pub(crate) bound: Option<MemoryBound>,
     pub(crate) places: NamedPlaces,
 }
 
@@ -117,6 +120,7 @@ impl Default for Options {
             cut: Cut::default(),
             threads: None,
             max_memory: None,
+            bound: None,
             places: NamedPlaces::default(),
         }
     }
@@ -145,10 +149,10 @@ impl Options {
         Options { shape: Some(shape), ..self.clone() }
     }
 
-    /// The largest number of places whose means are meshed in place of the points of a cloud, if memory bounds it
-    /// ([`Options::fitting`]).
+    /// The largest number of places whose means take the place of the points of a cloud or the vertices of a mesh, if
+    /// memory bounds it ([`Options::fitting`]).
     pub fn most_places(&self) -> Option<usize> {
-        self.cloud.most_places
+        self.cloud.most_places.or_else(|| self.bound.as_ref().map(MemoryBound::places))
     }
 
     /// The part's name.

@@ -78,11 +78,11 @@ pub struct Density {
     pub width: f64,
 }
 
-/// How dense the vertices of a mesh are. `None` if they are not much denser than their noise lets tell, or lie in two
-/// layers.
-pub fn density(points: &[Point]) -> Option<Density> {
+/// How dense the vertices of a mesh are. `None` if they lie in two layers, or if they are not much denser than their
+/// noise lets tell. The latter does not count if `any` density will do.
+pub fn density(points: &[Point], any: bool) -> Option<Density> {
     let count = points.len() as f64;
-    if count < LEAST_VERTICES * LEAST_CELLS {
+    if !any && count < LEAST_VERTICES * LEAST_CELLS {
         return None;
     }
     let positions: Vec<[f64; 3]> = points.iter().map(|p| p.coords.into()).collect();
@@ -90,7 +90,7 @@ pub fn density(points: &[Point]) -> Option<Density> {
     drop(positions);
     let sampled = Sampled::new(&ordered)?;
     let width = sampled.width(count, f64::INFINITY);
-    if width < LEAST_VERTICES.sqrt() * sampled.spacing {
+    if !any && width < LEAST_VERTICES.sqrt() * sampled.spacing {
         return None;
     }
     let [spacing, width] = [sampled.spacing, width].map(|length| ordered.frame.length(length));

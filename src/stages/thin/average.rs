@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{MOST_LEFT, ThinnedDisk, coarser, one_rings, target};
 use crate::error::Result;
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{EQUILATERAL, Point, Vector, VertexId};
 use crate::mesh::one_rings::OneRings;
 use crate::mesh::progressive_mesh::{Collapsing, mean_edge, normal};
 use crate::mesh::{Disk, StandIns, VertexRings};
@@ -36,17 +36,21 @@ pub struct Averaged {
     pub stand_ins: StandIns,
     /// The standard deviation of the noise of the vertices that there were.
     pub noise: f64,
+    /// The distance of the means.
+    pub width: f64,
 }
 
-/// Averages the vertices of a disk that are `spacing` apart around places that are `width` apart. Vertices at which a
-/// surface misses more than the noise, as along a sharp edge, stay where they are. `None` if most vertices would stay, if
-/// no noise is visible, or if it is that of heights in steps.
+/// Averages the vertices of a disk that are `spacing` apart around places that are `width` apart, or farther if there
+/// would be more than `most` of them. Vertices at which a surface misses more than the noise, as along a sharp edge, stay
+/// where they are. `None` if so many would stay that more than `most` or more than half of all vertices are left, if no
+/// noise is visible, or if it is that of heights in steps.
 ///
 /// # Errors
 /// Those of `progress`.
 pub fn average(
     disk: &Disk,
     [spacing, width]: [f64; 2],
+    most: Option<usize>,
     progress: &mut Progress,
 ) -> Result<Option<Averaged>> {
     let noise = NoiseField::new(&disk.mesh, &VertexRings::new(&disk.mesh));
@@ -57,7 +61,17 @@ pub fn average(
     let rings = one_rings(disk);
     let places = blurred(measured, &rings, rounds(noise.deviation, spacing));
     let stays = unexplained(measured, &places, &rings, &noise);
-    let target = target(&disk.mesh, (&places, &|_| width), &stays);
+    let mut target = target(&disk.mesh, (&places, &|_| width), &stays);
+    let mut width = width;
+    if let Some(most) = most.filter(|most| target > *most) {
+        let staying = stays.iter().filter(|stays| **stays).count();
+        if most <= staying {
+            return Ok(None);
+        }
+        let area: f64 = disk.mesh.triangles.iter().map(|t| super::area(&places, t)).sum();
+        width = width.max((area / (EQUILATERAL * (most - staying) as f64)).sqrt());
+        target = most;
+    }
     if target as f64 > MOST_LEFT * measured.len() as f64 {
         return Ok(None);
     }
@@ -88,7 +102,7 @@ pub fn average(
     };
     disk.mesh.points = (0..left.len()).into_par_iter().map(place).collect();
     let stand_ins = StandIns::new(vertex_of, counts);
-    Ok(Some(Averaged { disk, stand_ins, noise: noise.deviation }))
+    Ok(Some(Averaged { disk, stand_ins, noise: noise.deviation, width }))
 }
 
 /// A round of blurring is a step of a random walk to one of six neighbours or to nowhere. After m rounds, independent
@@ -226,13 +240,14 @@ mod tests {
     }
 
     fn averaged(disk: &Disk, width: f64) -> Option<Averaged> {
-        average(disk, [1.0, width], &mut progress::ignore).unwrap()
+        average(disk, [1.0, width], None, &mut progress::ignore).unwrap()
     }
 
     #[test]
     fn means_have_less_noise_and_rims_stay_where_they_are() {
         let sheet = bent(0.7, 0.0);
-        let Averaged { disk, stand_ins, noise } = averaged(&sheet, 4.0).unwrap();
+        let Averaged { disk, stand_ins, noise, width } = averaged(&sheet, 4.0).unwrap();
+        assert_eq!(width, 4.0);
         let points = &disk.mesh.points;
         assert!((0.6..0.8).contains(&noise), "{noise}");
         assert!((900..1400).contains(&points.len()), "{}", points.len());
@@ -263,6 +278,19 @@ mod tests {
         assert!(left > SIDE as usize / 2, "{left}");
         assert!(disk.mesh.points.len() < 3000, "{}", disk.mesh.points.len());
         assert!(stand_ins.counts().iter().all(|&count| count >= 1.0));
+    }
+
+    #[test]
+    fn means_are_farther_apart_where_fewer_are_allowed() {
+        let sheet = bent(0.7, 0.0);
+        let most = |count| average(&sheet, [1.0, 4.0], Some(count), &mut progress::ignore).unwrap();
+        let few = most(500).unwrap();
+        assert_eq!(few.disk.mesh.points.len(), 500);
+        assert!((5.0..7.0).contains(&few.width), "{}", few.width);
+        assert_eq!(most(5000).unwrap().width, 4.0);
+        // The vertices of a sharp edge stay.
+        let bent = bent(0.1, 1.4);
+        assert!(average(&bent, [1.0, 4.0], Some(50), &mut progress::ignore).unwrap().is_none());
     }
 
     #[test]

@@ -168,14 +168,18 @@ fn kept(disk: &Disk) -> Vec<bool> {
 /// The number of vertices that are left where edges have the `width` at each vertex. Where that is 0, all vertices stay:
 /// half as many as there are triangles.
 fn target(mesh: &Mesh, (places, width): (&[Point], &dyn Fn(usize) -> f64), kept: &[bool]) -> usize {
-    let area = |corners: &[VertexId; 3]| {
+    let share = |corners: &[VertexId; 3]| {
         let least = corners.iter().map(|v| width(v.index())).fold(f64::INFINITY, f64::min);
-        let [a, b, c] = corners.map(|v| places[v.index()]);
-        let area = 0.5 * (b - a).cross(&(c - a)).norm();
-        (area / (EQUILATERAL * least.powi(2))).min(0.5)
+        (area(places, corners) / (EQUILATERAL * least.powi(2))).min(0.5)
     };
-    let inside: f64 = mesh.triangles.iter().map(area).sum();
+    let inside: f64 = mesh.triangles.iter().map(share).sum();
     inside as usize + kept.iter().filter(|kept| **kept).count()
+}
+
+/// The area of a triangle whose vertices have these places.
+fn area(places: &[Point], corners: &[VertexId; 3]) -> f64 {
+    let [a, b, c] = corners.map(|v| places[v.index()]);
+    0.5 * (b - a).cross(&(c - a)).norm()
 }
 
 /// What the collapses did to the vertices.
