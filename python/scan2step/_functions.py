@@ -34,6 +34,7 @@ def convert(
     face_count: Optional[int] = None,
     handles: Optional[float] = None,
     weld: Optional[float] = None,
+    remesh: bool = False,
     keep_fills: bool = False,
     fill_only_holes_below: Optional[float] = None,
     smooth: Union[str, float] = "auto",
@@ -93,6 +94,7 @@ def convert(
     :param handles: cut handles whose loop is not longer, and close them. Without: a few edges.
     :param weld: join points on the rims of a mesh that are no farther from each other; 0 joins none. Without: a
         thousandth of the edges there.
+    :param remesh: lay new triangles through the points of a mesh, which joins meshes that overlap.
     :param keep_fills: fill all holes, and cut none out.
     :param fill_only_holes_below: fill holes whose rim is shorter, and cut out the others.
     :param smooth: the support of the smoothing, ``"auto"`` or ``"off"``.
@@ -138,6 +140,8 @@ def convert(
     read = scan_of(scan, faces)
     if up != "keep":
         read = Scan(read._made.turned(up))
+    if remesh:
+        read = Scan(read._made.points_alone())
     if keep_fills and fill_only_holes_below is not None:
         raise OptionError(
             "fill_only_holes_below: keep_fills fills all holes",
@@ -170,6 +174,7 @@ def inspect(
     outer: Optional[Place] = None,
     handles: Optional[float] = None,
     weld: Optional[float] = None,
+    remesh: bool = False,
     box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
     above: Optional[Sequence[float]] = None,
     remove_plane: bool = False,
@@ -187,7 +192,10 @@ def inspect(
     options: Dict[str, Any] = {
         key: value for key, value in locals().items() if key not in ("scan", "faces")
     }
-    found: Dict[str, Any] = json.loads(_scan2step.inspect(scan_of(scan, faces)._made, options))
+    read = scan_of(scan, faces)._made
+    if remesh:
+        read = read.points_alone()
+    found: Dict[str, Any] = json.loads(_scan2step.inspect(read, options))
     return found
 
 
@@ -202,6 +210,7 @@ def check(
     outliers: float = 0.0,
     outer: Optional[Place] = None,
     weld: Optional[float] = None,
+    remesh: bool = False,
     box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
     above: Optional[Sequence[float]] = None,
     remove_plane: bool = False,
@@ -221,10 +230,12 @@ def check(
     :returns: what the program's ``check --json`` prints, as a dictionary.
     :raises FileError: a file cannot be read.
     """
-    keys = ("units", "component", "outer", "weld", "box", "above", "remove_plane", "spacing", "max_points", "scan_number", "origin", "threads")
+    keys = ("units", "component", "outer", "weld", "remesh", "box", "above", "remove_plane", "spacing", "max_points", "scan_number", "origin", "threads")
     values = locals()
     options = {key: values[key] for key in keys}
     read = scan_of(scan, faces)._made
+    if remesh:
+        read = read.points_alone()
     if isinstance(cad, Conversion):
         cad = cad.step()
     if not isinstance(cad, bytes):

@@ -143,6 +143,15 @@ impl Scan {
         Ok(Scan { content, scene, is_y_up: is_y, file: self.file.clone() })
     }
 
+    /// The points of the scan without the triangles between them.
+    fn points_alone(&self) -> Scan {
+        let content = match &self.content {
+            Content::Mesh(soup) => Content::Points(Points::of_mesh(soup)),
+            Content::Points(cloud) => Content::Points(cloud.clone()),
+        };
+        Scan { content, scene: None, is_y_up: self.is_y_up, file: self.file.clone() }
+    }
+
     /// The number of places of meshes in the file.
     #[getter]
     fn place_count(&self) -> usize {

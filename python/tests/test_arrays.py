@@ -163,6 +163,18 @@ def test_a_sheet_that_is_no_solid_is_refused() -> None:
         scan2step.convert(points, faces, shape="solid")
 
 
+def test_meshes_that_overlap_become_one_face() -> None:
+    points, faces = sheet()
+    middle = points[faces].mean(axis=1)[:, 0]
+    left, right = faces[middle < 12.0], faces[middle > 7.0]
+    vertices = np.concatenate([points, points + 1e-3])
+    both = np.concatenate([left, right + len(points)])
+    made = scan2step.convert(vertices, both, remesh=True, shape="face", tolerance=0.1)
+    assert made.report["options"]["remesh"] is True
+    found = scan2step.check(made, vertices, both, remesh=True)
+    assert found["scan_to_face"]["max_mm"] < 0.1
+
+
 def test_parts_are_left_out(relief: str) -> None:
     whole = scan2step.read(relief)
     made = scan2step.convert(whole, box=((-20, -100, -100), (30, 100, 100)), tolerance=0.5)
