@@ -51,7 +51,9 @@ pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     if let Some(places) = fitting.most_places() {
         let places = plural(places, "place");
         let of = if scan.source.cloud.is_some() { "points" } else { "vertices" };
-        progress.say(&format!("memory: --max-memory allows the means of the {of} at {places}"));
+        progress.say(&format!(
+            "memory: --max-memory allows the means of the {of} at {places}, which may lose details"
+        ));
     }
     let options = scan.resolved(&fitting)?;
     let (scan, components) = mesh(scan, &options, &mut progress, &mut stages)?;
