@@ -11,7 +11,7 @@ from . import _scan2step
 from ._assembly import Assembly
 from ._conversion import Conversion
 from ._errors import FileError, OptionError
-from ._scan import Path, Scan, scan_of
+from ._scan import Path, scan_of
 
 Place = Union[int, Sequence[float]]
 
@@ -137,18 +137,17 @@ def convert(
     }
     if parts not in (None, "keep", "merge"):
         raise OptionError(f"parts: {parts!r} is not keep or merge", "name one of them", option="parts")
-    read = scan_of(scan, faces)
+    read = scan_of(scan, faces)._made
     if up != "keep":
-        read = Scan(read._made.turned(up))
-    if remesh:
-        read = Scan(read._made.points_alone())
+        read = read.turned(up)
+    read = _taken(read, remesh)
     if keep_fills and fill_only_holes_below is not None:
         raise OptionError(
             "fill_only_holes_below: keep_fills fills all holes",
             "name one of the two",
             option="fill_only_holes_below",
         )
-    options["name"] = part_name(read._made.file) if name is None else name
+    options["name"] = part_name(read.file) if name is None else name
     names_place = (
         outer is not None
         or corners is not None
@@ -157,12 +156,12 @@ def convert(
     )
     if parts == "keep" and names_place:
         raise OptionError("parts: a place or a component of one mesh is named", "leave it out", option="parts")
-    if parts != "merge" and read._made.place_count > 1 and not names_place:
+    if parts != "merge" and read.place_count > 1 and not names_place:
         chosen = (parts == "keep", strict, up)
-        assembly = _scan2step.convert_parts(read._made, options, chosen, progress)
+        assembly = _scan2step.convert_parts(read, options, chosen, progress)
         if assembly is not None:
             return Assembly(assembly, options["name"])
-    return Conversion(_scan2step.convert(read._made, options, progress), options["name"])
+    return Conversion(_scan2step.convert(read, options, progress), options["name"])
 
 
 def inspect(
@@ -192,9 +191,7 @@ def inspect(
     options: Dict[str, Any] = {
         key: value for key, value in locals().items() if key not in ("scan", "faces")
     }
-    read = scan_of(scan, faces)._made
-    if remesh:
-        read = read.points_alone()
+    read = _taken(scan_of(scan, faces)._made, remesh)
     found: Dict[str, Any] = json.loads(_scan2step.inspect(read, options))
     return found
 
@@ -233,9 +230,7 @@ def check(
     keys = ("units", "component", "outer", "weld", "remesh", "box", "above", "remove_plane", "spacing", "max_points", "scan_number", "origin", "threads")
     values = locals()
     options = {key: values[key] for key in keys}
-    read = scan_of(scan, faces)._made
-    if remesh:
-        read = read.points_alone()
+    read = _taken(scan_of(scan, faces)._made, remesh)
     if isinstance(cad, Conversion):
         cad = cad.step()
     if not isinstance(cad, bytes):
@@ -262,6 +257,11 @@ def _checked(
     rows = None if placement is None else [list(row) for row in placement]
     found: Dict[str, Any] = json.loads(_scan2step.check(path, scan, options, rows, tolerance, outliers))
     return found
+
+
+def _taken(scan: _scan2step.Scan, remesh: bool) -> _scan2step.Scan:
+    """What is taken of a scan: all of it, or its points alone."""
+    return scan.points_alone() if remesh else scan
 
 
 def part_name(file: str) -> str:

@@ -115,6 +115,6 @@ fn a_needle_within_a_hair_ends() {
     let (mesh, shape) = (Mesh::Grid([10, 9], 0.1437380073184123), Shape::Needle(5976.0));
     let damage = Damage { holes, ..sound() };
     let scan = Scan { mesh, shape, damage, place, seed: 1_667_030_670_259_945_676 };
-    let options = splines().tolerance(3e-4).max_net(900);
+    let options = splines().tolerance(3e-4).max_net(2500);
     becomes_a_face(&scan, &options.build().expect("options"));
 }
