@@ -9,12 +9,13 @@
 //! has one. It has as few knots as keep it near the rim, and more where it would cross itself,
 //! another loop or the edge of the patch.
 
-mod closed;
 mod corners;
-mod fair;
+mod follow;
+mod least_squares;
 mod loop_fit;
 mod needles;
 pub mod network;
+mod polygon;
 mod scatter;
 
 use std::collections::BTreeMap;

@@ -3,8 +3,10 @@
 //! The input is a closed polygon of parameter points. The output is the positions of the vertices
 //! to keep.
 
-use super::fair::MIN_SPANS;
 use crate::geometry::Uv;
+
+/// A closed cubic spline needs at least this many spans.
+const MIN_SPANS: usize = 4;
 
 /// A needle is at most as wide as this share of its shorter side.
 const WIDTH: f64 = 0.01;

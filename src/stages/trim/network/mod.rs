@@ -4,23 +4,22 @@
 //! the tracks of the network, and the faces on their left. The vertices of a rim are brought to the
 //! nearest places of the network (`places`). Where two neighbours are on different surfaces, the rim
 //! crosses the tracks between them (`path`). On each surface a cubic B-spline follows the rim with as
-//! few knots as its room allows (`arcs`). At last the loops tell which faces are kept (`regions`).
+//! few knots as its room allows (`follow`). At last the loops tell which faces are kept (`regions`).
 
-mod arcs;
 mod path;
 mod places;
 mod regions;
 
 use rayon::prelude::*;
 
+use super::follow::Follower;
 use super::{MAX_PIECES, Options};
 use crate::error::Error;
-use crate::geometry::{Bound, Point, Vector};
+use crate::geometry::{Bound, Point, Uv, Vector};
 use crate::spline::{
     CertifiedLoop, Curve, CutArc, KnotVector, Network, NetworkCut, TrackNode, crossings,
     pieces_on_surface, runs,
 };
-use arcs::OpenPolygon;
 use path::{NetworkPaths, RimRun};
 
 /// A rim on a network: vertices in order with the measured surface to their left, and its normals.
@@ -42,7 +41,11 @@ impl NetworkRim {
     }
 }
 
-/// How often a room, a span of an arc, or a part of a rim is halved at most. It is then a few thousandths
+/// The least distance of a curve from the sides of the domain, as a share of a side. At a node the
+/// curve leaves the side at once.
+const MARGIN: f64 = 1e-4;
+
+/// How often a room or a part of a rim is halved at most. It is then a few thousandths
 /// as long.
 const MOST_HALVINGS: usize = 12;
 
@@ -105,8 +108,7 @@ pub fn cut(
     // Each round halves the room of the arcs of faulty faces.
     for _ in 0..MOST_HALVINGS {
         fits.tighten(&faulty);
-        let mut cut =
-            fits.cut(network).map_err(|surface| on_surface(surface, "has no smooth curve"))?;
+        let mut cut = fits.cut(network);
         regions::add_faces(network, &mut cut)
             .map_err(|surface| on_surface(surface, "does not bound the faces"))?;
         faulty = faulty_surfaces(network, &cut);
@@ -118,16 +120,17 @@ pub fn cut(
 }
 
 /// The arcs of all loops while they are fitted.
-struct LoopFits {
+struct LoopFits<'a> {
     nodes: Vec<TrackNode>,
-    /// For each arc its surface, its nodes, and the polygon that it follows.
-    arcs: Vec<(usize, Option<[usize; 2]>, OpenPolygon)>,
+    /// For each arc its surface, its nodes, and its curve.
+    arcs: Vec<(usize, Option<[usize; 2]>, Follower<'a>)>,
 }
 
-impl LoopFits {
+impl<'a> LoopFits<'a> {
     /// Each rim has its own options. Returns the surface on which a loop has no length if there is one.
-    fn new(network: &Network, rims: &[Vec<RimRun>], options: &[Options]) -> Result<Self, usize> {
+    fn new(network: &'a Network, rims: &[Vec<RimRun>], options: &[Options]) -> Result<Self, usize> {
         let end = network.end();
+        let range = [MARGIN * end, (1.0 - MARGIN) * end];
         let mut fits = LoopFits { nodes: Vec::new(), arcs: Vec::new() };
         for (runs, options) in rims.iter().zip(options) {
             let first = fits.nodes.len();
@@ -135,41 +138,43 @@ impl LoopFits {
             fits.nodes.extend(leaving.map(|c| TrackNode { track: c.track, at: c.at }));
             for (i, run) in runs.iter().enumerate() {
                 let surface = &network.surfaces[run.face];
-                let room = |off: f64| options.room(off);
+                let foot = |&(at, p): &(Uv, Point)| (at, (surface.point(at) - p).norm());
+                let feet: Vec<_> = run.points.iter().map(foot).collect();
                 let before = runs[(i + runs.len() - 1) % runs.len()].leaves;
-                let (ends, nodes, points) = match (before, run.leaves) {
+                let (nodes, follower) = match (before, run.leaves) {
                     (Some(enters), Some(leaves)) => {
                         let ends = [
                             enters.sides[1].place(end, enters.at, 0.0),
                             leaves.sides[0].place(end, leaves.at, 0.0),
                         ];
                         let nodes = [(i + runs.len() - 1) % runs.len(), i].map(|k| first + k);
-                        (ends, Some(nodes), &run.points[..])
+                        let between = Follower::between(surface, ends, &feet, options, range);
+                        (Some(nodes), between)
                     }
                     _ => {
-                        let first = run.points.first().ok_or(run.face)?.0;
-                        ([first; 2], None, &run.points[1..])
+                        let around = Follower::around(surface, &feet, options, &[], range);
+                        (None, around.map(|around| around.0))
                     }
                 };
-                let polygon = OpenPolygon::new(surface, ends, points, room).ok_or(run.face)?;
-                fits.arcs.push((run.face, nodes, polygon));
+                fits.arcs.push((run.face, nodes, follower.ok_or(run.face)?));
             }
         }
         Ok(fits)
     }
 
-    /// The cut without its faces. Returns a surface on which an arc has no curve if there is one.
-    fn cut(&self, network: &Network) -> Result<NetworkCut, usize> {
-        let arc = |(surface, ends, polygon): &(usize, Option<[usize; 2]>, OpenPolygon)| {
-            let curve = polygon.curve().ok_or(*surface)?;
-            let least = if ends.is_some() { 1 } else { 2 };
-            let ends_of_parts =
-                runs(&pieces_on_surface(&network.surfaces[*surface], &curve), MAX_PIECES, least);
-            let parts = ends_of_parts.windows(2).map(|w| curve.part(w[0], w[1])).collect();
-            Ok(CutArc { surface: *surface, pcurves: parts, ends: *ends })
+    /// The cut without its faces.
+    fn cut(&self, network: &Network) -> NetworkCut {
+        let arc = |(surface, ends, follower): &(usize, Option<[usize; 2]>, Follower<'a>)| {
+            let divided = |arc: Curve<2>| {
+                let pieces = pieces_on_surface(&network.surfaces[*surface], &arc);
+                let ends = runs(&pieces, MAX_PIECES, 1);
+                ends.windows(2).map(|w| arc.part(w[0], w[1])).collect::<Vec<_>>()
+            };
+            let parts = follower.arcs().into_iter().flat_map(divided).collect();
+            CutArc { surface: *surface, pcurves: parts, ends: *ends }
         };
-        let arcs = self.arcs.par_iter().map(arc).collect::<Result<_, usize>>()?;
-        Ok(NetworkCut { nodes: self.nodes.clone(), arcs, faces: Vec::new() })
+        let arcs = self.arcs.par_iter().map(arc).collect();
+        NetworkCut { nodes: self.nodes.clone(), arcs, faces: Vec::new() }
     }
 
     /// Brings the arcs on some surfaces nearer to their rims.
