@@ -4,9 +4,7 @@
 //! line turns by a large angle both at a coarse and at a fine scale.
 
 use crate::geometry::Point;
-
-/// A corner turns by at least this angle, in radians, between its two arms.
-const TURN: f64 = 0.9;
+use crate::mesh::boundary;
 
 /// At a corner, arms of half the length see at least this share of the turn. At a round bend they
 /// see only half of it.
@@ -20,63 +18,23 @@ const ARM: (f64, f64) = (6.0, 1.0 / 16.0);
 /// curve rounds the others as far as its knots allow.
 const MAX_CORNERS: usize = 4;
 
-/// Returns the positions of the corners of a closed polyline in ascending order. `walked[i]` is the
-/// length from point 0 to point i, and `total` is the length of the whole loop, both in mm.
-pub(crate) fn find(points: &[Point], walked: &[f64], total: f64) -> Vec<usize> {
+/// Returns the positions of the corners of a closed polyline of the length `total`, in mm, in ascending order.
+pub(super) fn find(points: &[Point], total: f64) -> Vec<usize> {
     let n = points.len();
     let arm = (ARM.0 * total / n as f64).max(ARM.1 * total);
     // The arms of a square's corners must not be longer than its sides.
     if arm > 0.25 * total {
         return Vec::new();
     }
-    let ring = ClosedPolyline { points, walked, total };
-    let turns: Vec<f64> = (0..n).map(|i| ring.turn(i, 0.5 * arm)).collect();
-    let sharp = |&i: &usize| {
-        let whole = ring.turn(i, arm);
-        whole >= TURN && turns[i] >= SHARP * whole
-    };
+    let near = boundary::turns(points, 0.5 * arm);
+    let turns = boundary::turns(points, arm);
+    let is_sharp = |(tip, turn): &(usize, f64)| near[*tip] >= SHARP * turn;
+    let corners = boundary::corners(points, &turns, arm);
     let mut found: Vec<usize> =
-        (0..n).filter(sharp).filter(|&i| ring.is_peak(&turns, i, arm)).collect();
-    found.sort_by(|&i, &j| turns[j].total_cmp(&turns[i]));
-    found.truncate(MAX_CORNERS);
+        corners.into_iter().filter(is_sharp).map(|corner| corner.0).take(MAX_CORNERS).collect();
     found.sort_unstable();
+    found.dedup();
     found
-}
-
-struct ClosedPolyline<'a> {
-    points: &'a [Point],
-    walked: &'a [f64],
-    total: f64,
-}
-
-impl ClosedPolyline<'_> {
-    /// The point at length `s` along the loop.
-    fn at(&self, s: f64) -> Point {
-        let n = self.points.len();
-        let s = s.rem_euclid(self.total);
-        let i = self.walked.partition_point(|&w| w <= s).clamp(1, n) - 1;
-        let end = self.walked.get(i + 1).copied().unwrap_or(self.total);
-        let length = (end - self.walked[i]).max(f64::MIN_POSITIVE);
-        let share = ((s - self.walked[i]) / length).clamp(0.0, 1.0);
-        self.points[i] + share * (self.points[(i + 1) % n] - self.points[i])
-    }
-
-    /// The angle in radians between the arm that arrives at point `i` and the arm that leaves it.
-    /// Both arms have the length `arm`.
-    fn turn(&self, i: usize, arm: f64) -> f64 {
-        let (here, s) = (self.points[i], self.walked[i]);
-        (here - self.at(s - arm)).angle(&(self.at(s + arm) - here))
-    }
-
-    /// Whether no point within an arm's length turns more. Among equal points the first counts.
-    fn is_peak(&self, turns: &[f64], i: usize, arm: f64) -> bool {
-        let n = turns.len();
-        let ahead = |j: usize| (self.walked[j % n] - self.walked[i]).rem_euclid(self.total);
-        let later = (i + 1..i + n).take_while(|&j| ahead(j) < arm);
-        let earlier = (i + 1..i + n).rev().take_while(|&j| self.total - ahead(j) < arm);
-        let less = |j: usize| turns[j] < turns[i] || (turns[j] == turns[i] && j > i);
-        later.chain(earlier).all(|j| less(j % n))
-    }
 }
 
 #[cfg(test)]
@@ -91,13 +49,8 @@ mod tests {
             Point::new(out * x, out * y, 0.0)
         };
         let points: Vec<Point> = (0..n).map(point).collect();
-        let mut walked = vec![0.0];
-        for i in 0..n {
-            walked.push(walked[i] + (points[(i + 1) % n] - points[i]).norm());
-        }
-        let total = walked.pop().unwrap_or_default();
-        let total = if walked.len() == n { total } else { 0.0 };
-        find(&points, &walked, total).len()
+        let total = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).sum();
+        find(&points, total).len()
     }
 
     /// A regular polygon with `k` sides in the unit circle.

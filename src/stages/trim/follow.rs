@@ -72,8 +72,7 @@ impl<'a> Follower<'a> {
         range: [f64; 2],
     ) -> Option<(Self, usize)> {
         let points: Vec<_> = feet.iter().map(|foot| surface.point(foot.0)).collect();
-        let (walked, total) = lengths(&points, true)?;
-        let mut corners = corners::find(&points, &walked, total);
+        let mut corners = corners::find(&points, lengths(&points, true)?.1);
         corners.extend(sharp);
         corners.sort_unstable();
         corners.dedup();
