@@ -64,6 +64,22 @@ fn a_mesh_far_denser_than_its_noise_lets_tell_is_averaged() {
 
 /// A mesh of 60,000 vertices may need 600 MB, and means of them at 14,000 places 250 MB.
 #[test]
+fn points_that_means_do_not_show_are_told() {
+    // Every 200th point is an outlier, as far off as ten times the noise.
+    let mut scan = VirtualScan::new(relief, [220, 270], 0.3, vec![], 1);
+    scan.points.iter_mut().step_by(200).for_each(|p| p[2] += 3.0);
+    let (face, _) = converted(&scan, Options::builder().max_memory(250_000_000));
+    let told = scan.points.len() / 200;
+    let lost = face.lost_by_means().expect("as many as chance does not leave");
+    assert!((told * 9 / 10..=told + 10).contains(&lost), "{lost} of {told}");
+    assert!(
+        face.hints[0].contains("outliers, or details that means have lost"),
+        "{:?}",
+        face.hints
+    );
+}
+
+#[test]
 fn memory_bounds_the_number_of_means() {
     const ALLOWED: u64 = 250_000_000;
     let sheet = |noise: f64| VirtualScan::new(relief, [220, 270], noise, vec![], 1);
@@ -77,6 +93,7 @@ fn memory_bounds_the_number_of_means() {
     assert_eq!(measured, thin.vertices + thin.removed);
     assert!(measured > scan.points.len() - 500, "{measured}");
     assert!((face.deviation.rms / 0.3 - 1.0).abs() < 0.05, "{}", face.deviation.rms);
+    assert_eq!(face.lost_by_means(), None);
     // A named tolerance holds at every vertex, and without noise nothing hides what means lose.
     for (scan, options) in [(&scan, bounded().tolerance(0.5)), (&sheet(0.0), bounded())] {
         let options = options.build().expect("sound options");

@@ -284,7 +284,8 @@ pub(crate) fn result(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     let files: Vec<_> = files.map(|path| streams::shown(path)).collect();
     let of = of_piece(args, &c.input);
     progress.result(&format!("{of}{} → {}", summary(c), files.join(", ")));
-    if c.face().is_some() && !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
+    let is_as_good = c.tolerance_met(args.how.outliers / 100.0) && c.lost_by_means().is_none();
+    if c.face().is_some() && !c.tolerance_named && is_as_good {
         progress.say(&(of + &quality(c)));
     }
 }

@@ -17,6 +17,7 @@ use crate::stages::regions::Snap;
 use crate::stages::seams::{ClosedGap, Fallback};
 use crate::stages::sharpen::{Riser, SizeKind};
 use crate::stages::{fill, layout, net, parameterize, smooth, thin, trim};
+use crate::statistics::SIGNIFICANT;
 use crate::words::{grouped, mm, plural};
 
 /// What became of a scan.
@@ -439,6 +440,19 @@ impl Body {
     /// trim loop, which smooths the rim, cuts them off ([`Missed`]).
     pub fn cut_off(&self) -> usize {
         self.fit_deviation.beyond(self.tolerance).saturating_sub(self.missed.points)
+    }
+
+    /// The number of measured points that are farther from the faces than the tolerance and the noise together, if
+    /// several points have one mean, and these are more than chance leaves. They are outliers, or the means have lost
+    /// what they show.
+    pub fn lost_by_means(&self) -> Option<usize> {
+        let points = self.deviation.distances.len();
+        let are_means = self.thin().is_some_and(|thin| thin.averaged.is_some());
+        if !are_means && points <= self.input.vertices || self.tolerance_named {
+            return None;
+        }
+        let lost = self.deviation.beyond(self.tolerance + SIGNIFICANT * self.noise);
+        (lost as f64 > self.spared * points as f64).then_some(lost)
     }
 
     /// How many points, and how much of the faces, are beyond the tolerance, and the worst.

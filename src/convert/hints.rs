@@ -4,16 +4,16 @@ use super::{Body, Cut, LeftFilled, Options, SurfaceFit, TargetShape};
 use crate::geometry::{Point, bounds};
 use crate::stages::adapt::Folds;
 use crate::stages::smooth::Support;
-use crate::statistics::outlying;
+use crate::statistics::{SIGNIFICANT, outlying};
 use crate::words::{grouped, mm, plural};
 
 /// One sentence for each thing that could be better, with what the user can do. Options
 /// have the names that they have on the command line.
 pub(super) fn of(body: &Body, options: &Options) -> Vec<String> {
-    let missed = missed(options, body);
+    let found = missed(options, body).or_else(|| lost(body));
     let of_face = body.face().map(|face| of_face(body, face, options));
     let filled = body.network().map(|fit| fit.left_filled.as_slice()).unwrap_or_default();
-    let all = missed.into_iter().chain(of_face.into_iter().flatten());
+    let all = found.into_iter().chain(of_face.into_iter().flatten());
     all.chain(filled.iter().map(left_filled)).collect()
 }
 
@@ -58,6 +58,18 @@ fn missed(options: &Options, body: &Body) -> Option<String> {
         let (shape, beyond) = (body.shape.word(), body.beyond());
         format!("the {shape} is not as good as the scan: {beyond}{more}")
     })
+}
+
+/// Means hide what is smaller than their cells.
+fn lost(body: &Body) -> Option<String> {
+    let lost = body.lost_by_means()?;
+    Some(format!(
+        "{} of {} are farther from the {} than its tolerance and the noise together, {}: outliers, or details that means have lost; a named --tolerance keeps these, and where --max-memory is set, more of it",
+        grouped(lost),
+        plural(body.deviation.distances.len(), "measured point"),
+        body.shape.word(),
+        mm(body.tolerance + SIGNIFICANT * body.noise),
+    ))
 }
 
 /// No surface keeps to noisy points unless it follows the noise.

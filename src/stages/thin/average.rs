@@ -42,8 +42,8 @@ pub struct Averaged {
 
 /// Averages the vertices of a disk that are `spacing` apart around places that are `width` apart, or farther if there
 /// would be more than `most` of them. Vertices at which a surface misses more than the noise, as along a sharp edge, stay
-/// where they are. `None` if so many would stay that more than `most` or more than half of all vertices are left, if no
-/// noise is visible, or if it is that of heights in steps.
+/// where they are. `None` if more than `most` would stay, if without such a bound more than half of all vertices would be
+/// left, if no noise is visible, or if it is that of heights in steps.
 ///
 /// # Errors
 /// Those of `progress`.
@@ -72,7 +72,7 @@ pub fn average(
         width = width.max((area / (EQUILATERAL * (most - staying) as f64)).sqrt());
         target = most;
     }
-    if target as f64 > MOST_LEFT * measured.len() as f64 {
+    if most.is_none() && target as f64 > MOST_LEFT * measured.len() as f64 {
         return Ok(None);
     }
     let is_on_rim: Vec<bool> = (0..measured.len()).map(|v| rings.on_boundary(v as u32)).collect();
