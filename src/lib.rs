@@ -110,7 +110,7 @@
 //! of stages get new fields with a new minor version, before 1.0; write
 //! `..Default::default()`.
 
-#![deny(missing_docs)]
+#![deny(missing_docs, unreachable_pub)]
 // What a caller hands in is answered with an error.
 #![deny(clippy::expect_used, clippy::panic, clippy::unreachable, clippy::unwrap_used)]
 

@@ -12,7 +12,11 @@ use super::output::{self, Pending};
 use super::{Failure, streams};
 
 /// Writes a model into every file that was asked for.
-pub fn write(args: &Convert, brep: &Brep, colours: &PartColours) -> Result<Vec<Pending>, Failure> {
+pub(super) fn write(
+    args: &Convert,
+    brep: &Brep,
+    colours: &PartColours,
+) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp()?;
     let (colour, face_colours) = (colours.part, colours.faces.clone());
     let step_options =

@@ -84,7 +84,7 @@ impl ReadScan {
     }
 
     /// The outer loop that the user named.
-    pub fn outer(&self, piece: &Piece) -> Result<Outer, Failure> {
+    pub(super) fn outer(&self, piece: &Piece) -> Result<Outer, Failure> {
         let Some(place) = piece.outer else { return Ok(Outer::Auto) };
         let mm = self.source.unit.in_mm();
         let place = match &self.content {

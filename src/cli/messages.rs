@@ -11,7 +11,7 @@ use super::progress::ProgressDisplay;
 use super::{Outcome, cylinders, gaps, streams};
 
 /// Which shape is tried, and why.
-pub fn shape(shape: TargetShape, why: &str) -> String {
+pub(super) fn shape(shape: TargetShape, why: &str) -> String {
     format!("shape: a {}, {why} (--shape to change)", shape.word())
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn counts(source: &ScanSource) -> String {
 }
 
 /// The counts of a mesh.
-pub fn mesh([vertices, triangles]: [usize; 2]) -> String {
+pub(super) fn mesh([vertices, triangles]: [usize; 2]) -> String {
     format!("{}, {}", plural(vertices, "vertex"), plural(triangles, "triangle"))
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn meshed(components: &Components) -> String {
 }
 
 /// Says where a scan far from zero is measured from, and what was found in a cloud of points.
-pub fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
+pub(super) fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
     if scan.source.origin_mm != [0.0; 3] {
         let [x, y, z] = scan.source.origin_mm;
         progress.say(&format!("origin: coordinates are measured from ({x}, {y}, {z}) mm"));
@@ -129,7 +129,7 @@ pub(crate) fn repaired(progress: &ProgressDisplay, (kind, count): (&&str, &usize
 }
 
 /// Says which handles were cut.
-pub fn handles(progress: &ProgressDisplay, input: &InputReport) {
+pub(super) fn handles(progress: &ProgressDisplay, input: &InputReport) {
     let longest = input.handles.iter().max_by(|a, b| a.length.total_cmp(&b.length));
     if let Some(handle) = longest {
         progress.say(&format!(

@@ -135,7 +135,7 @@ const EVERY: [&Notes; 8] =
     [&PROGRAM, &CONVERT, &INSPECT, &CHECK, &BATCH, &COMPLETIONS, &MAN, &LICENCES];
 
 /// The notes of a command; of the program itself for a name that is no command.
-pub fn of(command: &str) -> &'static Notes {
+pub(super) fn of(command: &str) -> &'static Notes {
     EVERY.into_iter().find(|notes| notes.command == command).unwrap_or(&PROGRAM)
 }
 
@@ -151,7 +151,7 @@ impl Notes {
     }
 
     /// The text at the end of help.
-    pub fn help(&self) -> String {
+    pub(super) fn help(&self) -> String {
         let mut text = format!("Examples:\n  {}", self.examples.join("\n  "));
         for ([title, _], meanings) in self.parts() {
             if meanings.is_empty() {

@@ -81,7 +81,7 @@ pub(crate) fn check(path: &Path) -> Result<(), Error> {
 
 /// Writes a file under a temporary name in the folder of `path`, or to memory if it goes to standard
 /// output.
-pub fn write(
+pub(super) fn write(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<Pending, Error> {

@@ -67,7 +67,7 @@ pub(crate) struct ProgressDisplay {
 impl ProgressDisplay {
     /// The clock starts. `voice` says whether to speak in colours, or not at all; `steps` how
     /// to show how far the run has come, which lines of JSON do in a silent run, too.
-    pub fn new(voice: Option<bool>, verbose: bool, steps: Steps) -> Self {
+    pub(super) fn new(voice: Option<bool>, verbose: bool, steps: Steps) -> Self {
         let now = Instant::now();
         let target = match (voice, steps) {
             // Hidden by itself where standard error is no terminal.

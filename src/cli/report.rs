@@ -31,7 +31,7 @@ impl ReportFormat {
 
 /// Writes the reports that were asked for under temporary names. `name` is the scan's file
 /// without its folder. `views` has the meshes of each conversion if a report shows them.
-pub fn write(
+pub(super) fn write(
     files: &[ReportFile],
     name: &str,
     report: &Report,

@@ -32,7 +32,7 @@ pub(crate) struct Stages {
 
 impl Stages {
     /// Writes into `folder`, which is made if it does not exist.
-    pub fn new(folder: &Path) -> Result<Self, formats::Error> {
+    pub(super) fn new(folder: &Path) -> Result<Self, formats::Error> {
         temp_files::folder(folder).map_err(|e| {
             let help = "name a folder that can be made and written to";
             formats::Error::new(folder, format!("cannot be made: {e}"), help)
@@ -42,14 +42,14 @@ impl Stages {
     }
 
     /// Continues in a folder of its own for one of several components.
-    pub fn component(&mut self, root: &Path, number: usize) -> Result<(), formats::Error> {
+    pub(super) fn component(&mut self, root: &Path, number: usize) -> Result<(), formats::Error> {
         let of_component = Stages::new(&root.join(format!("component-{number}")))?;
         self.folder = of_component.folder;
         Ok(())
     }
 
     /// Writes what a stage made, if it has a file.
-    pub fn write(&mut self, stage: &Stage) -> Result<(), formats::Error> {
+    pub(super) fn write(&mut self, stage: &Stage) -> Result<(), formats::Error> {
         match stage {
             Stage::Mesh(disk) => self.put("1-mesh.ply", |out| mesh(out, &disk.mesh)),
             Stage::Smooth(disk) => self.put("2-smooth.ply", |out| mesh(out, &disk.mesh)),

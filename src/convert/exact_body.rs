@@ -46,7 +46,7 @@ pub(super) struct ExactBody {
 }
 
 impl ExactBody {
-    pub fn finished(self, options: &Options) -> Body {
+    pub(super) fn finished(self, options: &Options) -> Body {
         let ExactBody { input, shape, vertices, brep, mesh, mm, distances, deviation, .. } = self;
         // Half a step of each of three numbers is a bound, and steps are spread evenly.
         let noise = self.noise.unwrap_or(self.rounding / 3.0);

@@ -27,7 +27,7 @@ pub(super) struct Distances {
 impl Distances {
     /// Measures the first points and triangles of a mesh, so many of each, from the surfaces of their faces. Those behind
     /// them close its gaps. The distance of a vertex is the largest one from its surfaces.
-    pub fn of(mesh: &Mesh, measured: [usize; 2], patches: &[FacePatch]) -> Self {
+    pub(super) fn of(mesh: &Mesh, measured: [usize; 2], patches: &[FacePatch]) -> Self {
         let mut of_vertices = vec![0.0f64; measured[0]];
         let mut of_faces = Vec::with_capacity(patches.len());
         let mut middles: Vec<(Point, f64)> = Vec::with_capacity(mesh.triangles.len());
@@ -68,7 +68,7 @@ impl Distances {
 
     /// Measures the vertices and the middles of the triangles of a noisy scan from the nearest face. `mesh` has its vertices
     /// on the faces.
-    pub fn of_scan(scan: &Mesh, mesh: &Mesh, patches: &[FacePatch]) -> Self {
+    pub(super) fn of_scan(scan: &Mesh, mesh: &Mesh, patches: &[FacePatch]) -> Self {
         let of_triangle = faces_of(mesh, patches);
         let triangles = Triangles::new(mesh);
         let face_at = |p: Point| of_triangle[triangles.nearest(p).1] as usize;
@@ -99,7 +99,7 @@ impl Distances {
     }
 
     /// The deviation of the measured vertices.
-    pub fn deviation(&self, points: &[Point]) -> Deviation {
+    pub(super) fn deviation(&self, points: &[Point]) -> Deviation {
         let outside = self.of_vertices.iter().map(|d| *d > 0.0).collect();
         let absolute = self.of_vertices.iter().map(|d| d.abs()).collect();
         Deviation::of(points, absolute).with_sides(outside)

@@ -194,7 +194,7 @@ fn folded_seams(network: &Network, kept: &KeptPlaces) -> Vec<FacesFault> {
 
 impl Faces {
     /// Cuts the gaps out of the faces and compares them with the scan. Returns also the faults.
-    pub fn checked(
+    pub(super) fn checked(
         mut self,
         patch: &Patch,
         gaps: &Gaps,

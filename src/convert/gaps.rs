@@ -19,7 +19,7 @@ pub(super) struct Gaps {
 
 impl Gaps {
     /// All gaps of a shell, and none of a solid.
-    pub fn of(patch: &Patch, shape: TargetShape, tolerance: f64, options: &Options) -> Self {
+    pub(super) fn of(patch: &Patch, shape: TargetShape, tolerance: f64, options: &Options) -> Self {
         let triangles = patch.measured_triangles().map(|t| patch.mesh.triangles[t]).collect();
         let normals = Mesh { points: patch.mesh.points.clone(), triangles }.vertex_normals();
         let rim = |(hole, rim): (usize, &Loop)| NetworkRim {
@@ -36,13 +36,13 @@ impl Gaps {
     }
 
     /// Cuts the gaps out of the faces.
-    pub fn cut(&self, network: &Network) -> Result<NetworkCut, CutFault> {
+    pub(super) fn cut(&self, network: &Network) -> Result<NetworkCut, CutFault> {
         trim::network::cut(network, &self.rims, &self.options)
     }
 
     /// Leaves the gap of a fault filled. Returns whether it may be: the longest rim is that of the scan as a
     /// whole, and what fills it is no part of a hole.
-    pub fn leave(&mut self, fault: &CutFault) -> bool {
+    pub(super) fn leave(&mut self, fault: &CutFault) -> bool {
         let longest = self.rims.iter().max_by(|a, b| a.length().total_cmp(&b.length()));
         let Some(at) = self.rims.iter().position(|rim| rim.of == fault.of) else { return false };
         let Bound::Hole(hole) = fault.of else { return false };
@@ -56,7 +56,7 @@ impl Gaps {
     }
 
     /// Whether a gap is cut out of the faces.
-    pub fn is_cut(&self, hole: usize) -> bool {
+    pub(super) fn is_cut(&self, hole: usize) -> bool {
         self.rims.iter().any(|rim| rim.of == Bound::Hole(hole))
     }
 }

@@ -87,7 +87,12 @@ struct TriangleDeviation {
 
 impl<'a> SurfaceOverMesh<'a> {
     /// Prepares the comparison of the surface with some triangles.
-    pub fn new(mesh: &'a Mesh, triangles: &'a [usize], uv: &'a [Uv], surface: &'a Surface) -> Self {
+    pub(crate) fn new(
+        mesh: &'a Mesh,
+        triangles: &'a [usize],
+        uv: &'a [Uv],
+        surface: &'a Surface,
+    ) -> Self {
         let part = Mesh {
             points: mesh.points.clone(),
             triangles: triangles.iter().map(|&t| mesh.triangles[t]).collect(),
@@ -98,7 +103,7 @@ impl<'a> SurfaceOverMesh<'a> {
     }
 
     /// The distances over the face. Samples outside the face are left out.
-    pub fn report(&self, tolerance: f64, is_on: impl Fn(Uv) -> bool + Sync) -> FaceToScan {
+    pub(crate) fn report(&self, tolerance: f64, is_on: impl Fn(Uv) -> bool + Sync) -> FaceToScan {
         let count = self.triangles.len();
         if count == 0 {
             return FaceToScan::default();

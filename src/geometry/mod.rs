@@ -154,13 +154,13 @@ pub(crate) struct LocalPlane {
 
 impl LocalPlane {
     /// The plane through `origin` with unit normal `normal`.
-    pub fn new(origin: Point, normal: Vector) -> Self {
+    pub(crate) fn new(origin: Point, normal: Vector) -> Self {
         let (x, y) = plane_axes(normal);
         LocalPlane { origin, x, y, normal }
     }
 
     /// The projection of `p`, in coordinates of the plane.
-    pub fn flat(&self, p: Point) -> Uv {
+    pub(crate) fn flat(&self, p: Point) -> Uv {
         let d = p - self.origin;
         Uv::new(d.dot(&self.x), d.dot(&self.y))
     }

@@ -5,7 +5,7 @@ pub(crate) struct Sets(Vec<u32>);
 
 impl Sets {
     /// Makes `n` sets with one member each.
-    pub fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Sets((0..n as u32).collect())
     }
 

@@ -154,7 +154,7 @@ pub(super) const MOST_THREADS: usize = 8;
 impl Buckets {
     /// Puts each number below `count` into the bucket `bucket(number)`; there are `buckets` of
     /// them.
-    pub fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
+    pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
         // Each thread reads all numbers and keeps those that belong to its share of the buckets.
         let threads = rayon::current_num_threads().min(MOST_THREADS);
         let share = buckets.div_ceil(threads).max(1);
@@ -192,7 +192,7 @@ impl Buckets {
     }
 
     /// The numbers in a bucket.
-    pub fn of(&self, bucket: usize) -> &[u32] {
+    pub(crate) fn of(&self, bucket: usize) -> &[u32] {
         &self.members[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
     }
 }

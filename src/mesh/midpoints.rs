@@ -18,7 +18,7 @@ pub(crate) struct EdgeMidpoints(HashMap<VertexPair, VertexId>);
 impl EdgeMidpoints {
     /// Adds a vertex to the mesh in the middle of each edge that one of the `sides` lies on.
     /// `place` gives its position.
-    pub fn new(
+    pub(crate) fn new(
         mesh: &mut Mesh,
         sides: impl IntoIterator<Item = usize>,
         mut place: impl FnMut(&Mesh, VertexId, VertexId) -> Point,

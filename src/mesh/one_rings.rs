@@ -48,7 +48,7 @@ impl HalfEdgeCollapse {
 
 impl OneRings {
     /// The one-rings of a disk with the given boundary.
-    pub fn new(mesh: &Mesh, outer: &[VertexId]) -> Self {
+    pub(crate) fn new(mesh: &Mesh, outer: &[VertexId]) -> Self {
         let corners = VertexRings::new(mesh);
         let mut boundary = vec![false; mesh.points.len()];
         outer.iter().for_each(|v| boundary[v.index()] = true);
@@ -83,7 +83,7 @@ impl OneRings {
     }
 
     /// The one-ring of a vertex; empty for a collapsed one.
-    pub fn ring(&self, v: u32) -> &[u32] {
+    pub(crate) fn ring(&self, v: u32) -> &[u32] {
         &self.rings[v as usize]
     }
 

@@ -11,7 +11,7 @@ type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 /// The triangles inside closed outlines. A point is inside if a ray from it crosses the outlines an
 /// odd number of times. Corner numbers count the corners of the outlines in turn and then the
 /// `inner` points. Returns `None` if two sides cross or if nothing is inside.
-pub fn triangulate(outlines: &[&[Uv]], inner: &[Uv]) -> Option<Vec<[usize; 3]>> {
+pub(crate) fn triangulate(outlines: &[&[Uv]], inner: &[Uv]) -> Option<Vec<[usize; 3]>> {
     let mut plane = Delaunay::new();
     // For each vertex of the triangulation, the number of a corner at this place.
     let mut corner = Vec::new();

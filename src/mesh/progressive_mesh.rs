@@ -44,7 +44,7 @@ const MOST_NEIGHBOURS: usize = 1000;
 
 impl ProgressiveMesh {
     /// The full mesh, without collapses.
-    pub fn new(rings: OneRings) -> Self {
+    pub(crate) fn new(rings: OneRings) -> Self {
         let remaining = (0..rings.len() as u32).collect();
         ProgressiveMesh { rings, remaining, passes: Vec::new(), keeps: true }
     }

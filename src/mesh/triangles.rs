@@ -14,12 +14,12 @@ struct Triangle {
 }
 
 impl Triangles {
-    pub fn new(mesh: &Mesh) -> Self {
+    pub(crate) fn new(mesh: &Mesh) -> Self {
         Triangles::some(mesh, 0..mesh.triangles.len())
     }
 
     /// Those with the given positions.
-    pub fn some(mesh: &Mesh, numbers: impl Iterator<Item = usize>) -> Self {
+    pub(crate) fn some(mesh: &Mesh, numbers: impl Iterator<Item = usize>) -> Self {
         let triangle =
             |number: usize| Triangle { corners: mesh.corners(mesh.triangles[number]), number };
         Triangles(RTree::bulk_load(numbers.map(triangle).collect()))

@@ -41,7 +41,7 @@ impl VertexMap {
     }
 
     /// The position of the point that a vertex of the scan became, if it became one.
-    pub fn point_of(&self, vertex: usize) -> Option<usize> {
+    pub(crate) fn point_of(&self, vertex: usize) -> Option<usize> {
         self.points.get(vertex).filter(|&&point| point != NONE).map(|&point| point as usize)
     }
 }

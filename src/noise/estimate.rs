@@ -33,7 +33,7 @@ pub(super) struct Estimate {
 
 impl Estimate {
     /// Measures the noise on the patches of a scan with so many vertices. `None` without patches.
-    pub fn new(patches: &[NoisePatch], vertices: usize) -> Option<Self> {
+    pub(super) fn new(patches: &[NoisePatch], vertices: usize) -> Option<Self> {
         let apart = (vertices as f64 / (patches.len() * EVEN) as f64).min(1.0);
         for degree in 0..DEGREES - 1 {
             let (estimate, kept) = Estimate::converged(patches, degree, |kept, mean| {
@@ -156,7 +156,7 @@ impl Estimate {
     }
 
     /// The standard deviation.
-    pub fn deviation(&self) -> f64 {
+    pub(super) fn deviation(&self) -> f64 {
         self.covariances[0].sqrt()
     }
 

@@ -28,7 +28,7 @@ pub(super) struct LocalNoise {
 impl LocalNoise {
     /// Looks at the patches of a scan with so many vertices. `None` if its noise is the same
     /// everywhere as far as they tell.
-    pub fn new(mesh: &Mesh, patches: &[NoisePatch], estimate: &Estimate) -> Option<Self> {
+    pub(super) fn new(mesh: &Mesh, patches: &[NoisePatch], estimate: &Estimate) -> Option<Self> {
         let apart = (patches.len() * EVEN) as f64 / mesh.points.len() as f64;
         let count = (AROUND * apart.max(1.0)).ceil() as usize;
         // A part of the scan must differ from the rest of it.

@@ -49,7 +49,7 @@ pub(crate) struct NoiseField {
 
 impl NoiseField {
     /// Measures the noise of a mesh.
-    pub fn new(mesh: &Mesh, rings: &VertexRings) -> Self {
+    pub(crate) fn new(mesh: &Mesh, rings: &VertexRings) -> Self {
         let rounding = Rounding::of(&mesh.points);
         let rounded = rounding.deviation(&mesh.points);
         let none = |deviation| NoiseField {

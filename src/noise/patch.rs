@@ -129,7 +129,7 @@ impl Scratch {
 
 impl NoisePatch {
     /// Fits the patch around a vertex. `None` if it has too few vertices or too many.
-    pub fn new(
+    pub(super) fn new(
         mesh: &Mesh,
         rings: &VertexRings,
         normals: &[Vector],

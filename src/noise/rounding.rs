@@ -25,7 +25,7 @@ const MOST_DECIMALS: i32 = 9;
 
 impl Rounding {
     /// The rounding of coordinates, which may have been multiplied by a power of two.
-    pub fn of(points: &[Point]) -> Self {
+    pub(super) fn of(points: &[Point]) -> Self {
         let step = points.len().div_ceil(SAMPLE).max(1);
         let sample: Vec<&Point> = points.iter().step_by(step).collect();
         let is_single = |p: &&&Point| p.iter().all(|&x| f64::from(x as f32) == x);
@@ -64,7 +64,7 @@ impl Rounding {
     }
 
     /// The standard deviation of the points along any direction.
-    pub fn deviation(self, points: &[Point]) -> f64 {
+    pub(super) fn deviation(self, points: &[Point]) -> f64 {
         let square = |p: &Point| p.coords.map(|x| self.step(x)).norm_squared();
         let mean = points.iter().map(square).sum::<f64>() / (3 * points.len()).max(1) as f64;
         // Errors are spread evenly over a step.

@@ -62,7 +62,7 @@ impl FaceMesh {
     }
 
     /// The triangles of the kept faces of a network, one of `parts` conversions.
-    pub fn of_network(body: &NetworkFit, parts: usize) -> FaceMesh {
+    pub(super) fn of_network(body: &NetworkFit, parts: usize) -> FaceMesh {
         let surfaces = &body.network.surfaces;
         let count = cell_steps(surfaces.iter().map(|s| s.middles(1).len()).sum(), parts);
         let kept = body.cut.kept_places(&body.network);
@@ -86,7 +86,7 @@ impl FaceMesh {
 
     /// The triangles of exact faces, with the normals of their surfaces. The number of a face is that of its kind
     /// ([`kind_of`]).
-    pub fn of_exact(fit: &ExactFit) -> FaceMesh {
+    pub(super) fn of_exact(fit: &ExactFit) -> FaceMesh {
         let mut mesh = FaceMesh::empty();
         let mut numbers = HashMap::new();
         for (&face, &triangle) in fit.of_triangle.iter().zip(&fit.mesh.triangles) {

@@ -11,7 +11,7 @@ pub(crate) struct Histogram {
 const BINS: usize = 80;
 
 impl Histogram {
-    pub fn of(distances: impl Iterator<Item = f32>, end: f64) -> Histogram {
+    pub(super) fn of(distances: impl Iterator<Item = f32>, end: f64) -> Histogram {
         let mut counts = vec![0; BINS];
         for d in distances {
             let at = (f64::from(d) / end + 1.0) * 0.5 * BINS as f64;

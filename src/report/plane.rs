@@ -23,7 +23,7 @@ pub(crate) struct PlaneDrawing {
 
 impl PlaneDrawing {
     /// The drawing of a surface. `outlines` are its loops as polygons.
-    pub fn of(c: &SurfaceFit, outlines: &[Vec<Uv>]) -> Self {
+    pub(super) fn of(c: &SurfaceFit, outlines: &[Vec<Uv>]) -> Self {
         let ((u0, u1), (v0, v1)) = (c.surface.u.range(), c.surface.v.range());
         // The proportion of the patch on the scan, but no narrower than 1 to 4.
         let aspect = c.parameterize.stretch.aspect;

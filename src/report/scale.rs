@@ -19,7 +19,7 @@ pub(super) const SPREAD: f64 = 1.3;
 const NEAR: f64 = 3.0;
 
 impl Ends {
-    pub fn of(views: &[ReportView]) -> Ends {
+    pub(super) fn of(views: &[ReportView]) -> Ends {
         Ends {
             measured: end(views, |figures| figures.vertex_p95),
             #[cfg(feature = "html")]

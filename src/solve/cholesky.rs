@@ -26,7 +26,7 @@ impl<I: Index> Cholesky<I> {
     ///
     /// # Errors
     /// The matrix is not positive definite, or there is no memory for the factor.
-    pub fn new(matrix: SparseColMatRef<'_, I, f64>) -> Result<Self, LltError> {
+    pub(crate) fn new(matrix: SparseColMatRef<'_, I, f64>) -> Result<Self, LltError> {
         let (side, params) = (Side::Lower, CholeskySymbolicParams::default());
         let order = SymmetricOrdering::Amd;
         let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), side, order, params)?;
@@ -72,7 +72,7 @@ impl Pattern {
     /// Analyses a pattern. Column j has its entries at `starts[j]..starts[j + 1]` of `rows`; they
     /// ascend and lie on and below the diagonal. `order` is the elimination order. Returns `None`
     /// if memory does not suffice.
-    pub fn new(starts: Vec<usize>, rows: Vec<usize>, order: &[usize]) -> Option<Self> {
+    pub(crate) fn new(starts: Vec<usize>, rows: Vec<usize>, order: &[usize]) -> Option<Self> {
         let n = order.len();
         let mut inverse = vec![0; n];
         order.iter().enumerate().for_each(|(place, &i)| inverse[i] = place);

@@ -21,7 +21,7 @@ impl SparseNormal {
     /// The equations of unknowns of which those of one column occur together. A column needs only the
     /// unknowns from its own one on, in any order and any number of times. Returns `None` if memory does not
     /// suffice.
-    pub fn new(mut columns: Vec<Vec<usize>>) -> Option<Self> {
+    pub(crate) fn new(mut columns: Vec<Vec<usize>>) -> Option<Self> {
         columns.par_iter_mut().for_each(|rows| {
             rows.sort_unstable();
             rows.dedup();

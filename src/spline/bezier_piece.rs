@@ -12,7 +12,7 @@ pub(super) struct BezierPiece {
 
 impl BezierPiece {
     /// The pieces of cubic arcs, one for each knot span. `None` if an arc is not cubic.
-    pub fn all(arcs: &[Curve<2>]) -> Option<Vec<BezierPiece>> {
+    pub(super) fn all(arcs: &[Curve<2>]) -> Option<Vec<BezierPiece>> {
         let mut pieces = Vec::new();
         for arc in arcs {
             if arc.knots.degree() != 3 {

@@ -89,7 +89,7 @@ pub(crate) struct KnotSpans {
 
 impl KnotSpans {
     /// All spans of `knots`.
-    pub fn new(knots: &KnotVector) -> Self {
+    pub(crate) fn new(knots: &KnotVector) -> Self {
         let all: Vec<Span> = (0..knots.functions() - 3).map(|n| Span::new(knots, n)).collect();
         let (low, high) = knots.range();
         let count = 2 * all.len();

@@ -35,7 +35,7 @@ impl From<Unit> for LengthUnit {
 
 /// Where the result lies if a scan is far from zero.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Origin {
+pub(crate) enum Origin {
     /// Near zero; the report and the file say from where its coordinates are measured
     Local,
     /// Where the scan is
@@ -44,7 +44,7 @@ pub enum Origin {
 
 /// The axis that points up in the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Up {
+pub(crate) enum Up {
     /// Leave the numbers as they are
     Keep,
     /// Turn the scan so that y points up, as in glTF
@@ -66,7 +66,7 @@ impl Up {
 
 /// How a run shows its progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Steps {
+pub(crate) enum Steps {
     /// A bar, on a terminal
     Bar,
     /// A line of JSON for each step, with --quiet, too: {"stage":"fit","share":0.61,"seconds":1.5}
@@ -75,7 +75,7 @@ pub enum Steps {
 
 /// What becomes of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ShapeChoice {
+pub(crate) enum ShapeChoice {
     /// A solid if the scan is closed, or if fillings of its gaps add less than 5 % to its area;
     /// otherwise a face if one holds the scan, and a shell if not
     Auto,
@@ -89,7 +89,7 @@ pub enum ShapeChoice {
 
 /// Which surfaces the faces get.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SurfacesChoice {
+pub(crate) enum SurfacesChoice {
     /// Planes, cylinders, cones, spheres and tori where a mesh of a CAD program has them; otherwise
     /// B-splines
     Auto,
@@ -99,7 +99,7 @@ pub enum SurfacesChoice {
 
 /// Where the outer boundary goes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum OutlineChoice {
+pub(crate) enum OutlineChoice {
     /// The sides; a trim loop if the boundary is ragged, or if the sides stretch the map far
     /// more or cannot be made
     Auto,
@@ -111,7 +111,7 @@ pub enum OutlineChoice {
 
 /// A map to the parameter plane on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Map {
+pub(crate) enum Map {
     /// The map of least stretch
     LeastStretch,
     /// Mean value coordinates (Floater), as in the paper
@@ -120,7 +120,7 @@ pub enum Map {
 
 /// A fitting method on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Fit {
+pub(crate) enum Fit {
     /// Blended local fits (Tekumalla & Cohen)
     Blend,
     /// Least squares by conjugate gradients
@@ -131,7 +131,7 @@ pub enum Fit {
 
 /// A STEP schema on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum StepSchema {
+pub(crate) enum StepSchema {
     Ap203,
     Ap214,
     Ap242,
@@ -139,7 +139,7 @@ pub enum StepSchema {
 
 /// An IGES form on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Iges {
+pub(crate) enum Iges {
     Trimmed,
     Brep,
 }

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 
 /// When messages have colours.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Colour {
+pub(crate) enum Colour {
     Auto,
     Always,
     Never,

@@ -31,14 +31,14 @@ pub(crate) fn input_file() -> impl TypedValueParser<Value = InputFile> {
 
 /// A CAD file to write.
 #[derive(Debug, Clone)]
-pub struct CadFile {
+pub(crate) struct CadFile {
     pub path: PathBuf,
     pub kind: CadKind,
 }
 
 /// Its format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum CadKind {
+pub(crate) enum CadKind {
     Step,
     Iges,
 }
@@ -58,7 +58,7 @@ fn extension(path: &str) -> String {
     extension.unwrap_or_default()
 }
 
-pub fn cad_file(path: &str) -> Result<CadFile, String> {
+pub(crate) fn cad_file(path: &str) -> Result<CadFile, String> {
     let kind = match extension(path).as_str() {
         // The option --to may name another one.
         _ if path == streams::DASH => CadKind::Step,
@@ -73,7 +73,7 @@ pub fn cad_file(path: &str) -> Result<CadFile, String> {
     Ok(CadFile { path: path.into(), kind })
 }
 
-pub fn report_file(path: &str) -> Result<ReportFile, String> {
+pub(crate) fn report_file(path: &str) -> Result<ReportFile, String> {
     let kind = match extension(path).as_str() {
         _ if path == streams::DASH => ReportFormat::Json,
         "json" => ReportFormat::Json,

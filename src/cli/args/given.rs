@@ -7,7 +7,7 @@ use crate::cli::batch;
 use crate::cli::streams::DASH;
 
 /// Those options of a command that the user gave, one word each.
-pub fn given(command: &Command, matches: &ArgMatches) -> Vec<String> {
+pub(crate) fn given(command: &Command, matches: &ArgMatches) -> Vec<String> {
     command.get_arguments().flat_map(|option| words(option, matches)).collect()
 }
 

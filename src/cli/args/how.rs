@@ -12,7 +12,7 @@ use crate::cli::places::NamedCorners;
 
 /// Options of the conversion, which `convert` and `batch` share.
 #[derive(Debug, Args)]
-pub struct How {
+pub(crate) struct How {
     /// What becomes of the scan
     #[arg(long, value_enum, default_value_t = ShapeChoice::Auto, help_heading = SHAPE)]
     pub shape: ShapeChoice,
@@ -118,7 +118,7 @@ pub struct How {
 
 /// Options of a run that do not change its files.
 #[derive(Debug, Args)]
-pub struct Manner {
+pub(crate) struct Manner {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = RUN)]
     pub threads: Option<u16>,

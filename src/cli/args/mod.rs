@@ -14,14 +14,14 @@ use std::path::PathBuf;
 use clap::{ArgMatches, Args, Parser, Subcommand, ValueHint};
 use scan2step::mesh::Choice;
 
-pub use choices::{
+pub(super) use choices::{
     Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps, SurfacesChoice, Up,
 };
-pub use colour::Colour;
-pub use files::{CadFile, CadKind, cad_file, report_file};
-pub use given::given;
-pub use how::{How, Manner};
-pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, PartsChoice, Piece, Scale};
+pub(super) use colour::Colour;
+pub(super) use files::{CadFile, CadKind, cad_file, report_file};
+pub(super) use given::given;
+pub(super) use how::{How, Manner};
+pub(super) use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, PartsChoice, Piece, Scale};
 
 use super::batch::args::Batch;
 use super::cad::part_name;

@@ -14,7 +14,7 @@ use crate::cli::places::Place;
 
 /// The unit of a scan, and how its blocks are joined.
 #[derive(Debug, Args)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// Unit of the scan's numbers [default: metres for glTF, else mm]
     #[arg(long, value_name = "UNIT", help_heading = SCAN)]
     pub units: Option<Unit>,
@@ -30,7 +30,7 @@ pub struct Scale {
 
 /// Options of scans that are clouds of points.
 #[derive(Debug, Args)]
-pub struct CloudArgs {
+pub(crate) struct CloudArgs {
     /// Thin a cloud of points to this distance between neighbours, in mm; holes that are not much
     /// wider are closed [default: to what its noise lets one tell]
     #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, help_heading = CLOUD)]
@@ -63,7 +63,7 @@ pub struct CloudArgs {
 
 /// Options that leave out parts of a scan.
 #[derive(Debug, Args)]
-pub struct CropArgs {
+pub(crate) struct CropArgs {
     /// Leave out what is outside of a box between two places in the scan's numbers, as 0,0,0;10,10,5
     #[arg(long = "box", value_name = "x,y,z;x,y,z", value_parser = corners, allow_hyphen_values = true, help_heading = SCAN)]
     pub within: Option<[[f64; 3]; 2]>,
@@ -94,7 +94,7 @@ fn plane(text: &str) -> Result<[f64; 4], String> {
 
 /// The scan and its outer boundary.
 #[derive(Debug, Args)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// The scan, or - for standard input
     #[arg(value_parser = input_file(), value_hint = ValueHint::FilePath)]
     pub scan: InputFile,
@@ -112,7 +112,7 @@ pub struct Piece {
 
 /// Options of the commands that print what they find.
 #[derive(Debug, Args)]
-pub struct Look {
+pub(crate) struct Look {
     /// Print one JSON object; lengths are mm
     #[arg(long, help_heading = RUN)]
     pub json: bool,
@@ -165,7 +165,7 @@ impl CloudArgs {
 
 /// Components of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ComponentChoice {
+pub(crate) enum ComponentChoice {
     Auto,
     Largest,
     All,
@@ -174,7 +174,7 @@ pub enum ComponentChoice {
 
 impl ComponentChoice {
     /// The components that it names.
-    pub fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
+    pub(crate) fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
         match self {
             ComponentChoice::Auto => vec![Choice::Auto],
             ComponentChoice::Largest => vec![Choice::Largest],
@@ -184,7 +184,7 @@ impl ComponentChoice {
     }
 }
 
-pub fn component(text: &str) -> Result<ComponentChoice, String> {
+pub(super) fn component(text: &str) -> Result<ComponentChoice, String> {
     match text {
         "auto" => Ok(ComponentChoice::Auto),
         "largest" => Ok(ComponentChoice::Largest),
@@ -206,7 +206,7 @@ pub(crate) fn one_component(text: &str) -> Result<Choice, String> {
 
 /// What becomes of the parts of a file with several.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum PartsChoice {
+pub(crate) enum PartsChoice {
     Keep,
     Merge,
     Number(usize),
@@ -224,7 +224,7 @@ impl std::fmt::Display for PartsChoice {
     }
 }
 
-pub fn parts(text: &str) -> Result<PartsChoice, String> {
+pub(super) fn parts(text: &str) -> Result<PartsChoice, String> {
     match (text, text.strip_prefix("name:")) {
         ("keep", _) => Ok(PartsChoice::Keep),
         ("merge", _) => Ok(PartsChoice::Merge),

@@ -73,7 +73,7 @@ pub(crate) struct Stamp {
 
 impl Stamp {
     /// The stamp of a scan that can be read.
-    pub fn of(scan: &Path) -> Option<Stamp> {
+    pub(super) fn of(scan: &Path) -> Option<Stamp> {
         let meta = std::fs::metadata(scan).ok()?;
         let is_alone = !has_buffers(scan) && materials(scan).is_empty();
         let modified_ns = is_alone.then(|| modified_ns(&meta)).flatten();
@@ -149,7 +149,7 @@ fn hash_of(path: &Path) -> io::Result<(u64, String)> {
 
 impl Output {
     /// A file that was written into `out`.
-    pub fn of(out: &Path, file: &Path) -> io::Result<Output> {
+    pub(super) fn of(out: &Path, file: &Path) -> io::Result<Output> {
         let (bytes, sha256) = hash_of(&out.join(file))?;
         Ok(Output { file: file.display().to_string(), bytes, sha256 })
     }
@@ -157,7 +157,7 @@ impl Output {
 
 impl Figures {
     /// The figures in the report of `convert`.
-    pub fn of(report: &Value) -> Figures {
+    pub(super) fn of(report: &Value) -> Figures {
         // An assembly has parts, and a scan may have several components.
         let several = ["parts", "components"].iter().find_map(|key| report.get(key)?.as_array());
         let parts = match several {
@@ -205,7 +205,7 @@ impl Record {
     }
 
     /// Writes the record.
-    pub fn write(&self, out: &Path, scan: &FoundScan) -> Result<(), formats::Error> {
+    pub(super) fn write(&self, out: &Path, scan: &FoundScan) -> Result<(), formats::Error> {
         let file = output::write(&path(out, scan, "json"), |to| {
             serde_json::to_writer_pretty(&mut *to, self)?;
             writeln!(to)

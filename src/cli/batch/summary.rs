@@ -33,7 +33,7 @@ pub(crate) enum Status {
 
 impl Status {
     /// The status that a record stands for.
-    pub fn of(record: &Record) -> Status {
+    pub(super) fn of(record: &Record) -> Status {
         match record.exit_code {
             0 => Status::Ok,
             3 => Status::Missed,
@@ -62,7 +62,7 @@ pub(crate) struct Row {
 /// Writes both summaries. `done` is `None` for a scan that this run did not convert; its record
 /// gives its status. Shards that end at the same time take turns, so that the last one reads all
 /// records.
-pub fn write(
+pub(super) fn write(
     out: &Path,
     scans: &[FoundScan],
     done: Vec<Option<Row>>,
@@ -96,7 +96,7 @@ pub fn write(
 }
 
 /// How many scans have a status.
-pub fn count(rows: &[Row], status: Status) -> usize {
+pub(super) fn count(rows: &[Row], status: Status) -> usize {
     rows.iter().filter(|row| row.status == status).count()
 }
 

@@ -57,12 +57,12 @@ fn between(block: &BoxBlock, other: &BoxBlock, found: &mut impl FnMut(u32, u32))
 }
 
 /// Whether two boxes have a point in common.
-pub fn overlap(s: &[Point; 2], t: &[Point; 2]) -> bool {
+pub(crate) fn overlap(s: &[Point; 2], t: &[Point; 2]) -> bool {
     (0..3).all(|k| (s[0][k] <= t[1][k]) & (t[0][k] <= s[1][k]))
 }
 
 /// The box around some boxes.
-pub fn around(boxes: &[NumberedBox]) -> [Point; 2] {
+pub(crate) fn around(boxes: &[NumberedBox]) -> [Point; 2] {
     let none = [Point::new(f64::MAX, f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN, f64::MIN)];
     boxes.iter().fold(none, |sum, (_, [low, high])| [sum[0].inf(low), sum[1].sup(high)])
 }

@@ -37,7 +37,7 @@ pub(super) struct FoundLoop {
 impl<'a> LabelledEdges<'a> {
     /// Labels the edges, and the chords that are not longer than `chord`. If there is no such length, edges at
     /// the boundary are left out, too. `None` if the component has no handles.
-    pub fn new(mesh: &'a Mesh, edges: &EdgeMap, chord: Option<f64>) -> Option<Self> {
+    pub(super) fn new(mesh: &'a Mesh, edges: &EdgeMap, chord: Option<f64>) -> Option<Self> {
         let sides = 3 * mesh.triangles.len();
         let stands = |side: usize| edges.across(side).map_or(side, |other| side.min(other));
         let ends = |side: usize| {

@@ -10,8 +10,8 @@
 mod plane;
 mod polynomial;
 
-pub use plane::{ReferencePlane, reference_plane};
-pub use polynomial::Polynomial;
+pub(crate) use plane::{ReferencePlane, reference_plane};
+pub(crate) use polynomial::Polynomial;
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
@@ -86,13 +86,13 @@ impl Sample {
 
 impl Cloud {
     /// A cloud of points with approximately known unit normals.
-    pub fn new(points: Vec<Point>, normals: Vec<Vector>) -> Self {
+    pub(crate) fn new(points: Vec<Point>, normals: Vec<Vector>) -> Self {
         let near = Neighbours::new(&points);
         Cloud { points, normals, near }
     }
 
     /// The cloud of a mesh's vertices.
-    pub fn of(mesh: &Mesh, rings: &VertexRings) -> Self {
+    pub(crate) fn of(mesh: &Mesh, rings: &VertexRings) -> Self {
         let normals = || smoothed_normals(mesh, rings);
         let (near, normals) = rayon::join(|| Neighbours::new(&mesh.points), normals);
         Cloud { points: mesh.points.clone(), normals, near }

@@ -8,7 +8,7 @@ use crate::solve::shares;
 
 /// A plane through a point.
 #[derive(Debug, Clone, Copy)]
-pub struct ReferencePlane {
+pub(crate) struct ReferencePlane {
     /// The foot point of r on the plane.
     pub origin: Point,
     /// The unit normal.
@@ -60,7 +60,7 @@ const CONVERGED: f64 = 1e-3;
 /// iteration starts at (n, t) = (`normal`, 0). Each step is shortened until the energy decreases.
 /// The energy also decreases towards infinity, where the weights vanish; t is therefore limited to
 /// ±h. Returns `None` if there are fewer than three points or no start normal.
-pub fn reference_plane(
+pub(crate) fn reference_plane(
     r: Point,
     normal: Vector,
     around: &[Sample],

@@ -7,7 +7,7 @@ use crate::geometry::{Point, Vector, plane_axes};
 
 /// A polynomial over a plane, centred at the origin of the plane.
 #[derive(Debug, Clone, Copy)]
-pub struct Polynomial {
+pub(crate) struct Polynomial {
     plane: ReferencePlane,
     axes: (Vector, Vector),
     /// The coefficients of the monomials, in the order of `monomials` and in units of h.
@@ -51,7 +51,7 @@ impl Polynomial {
     /// for example, oscillates between the three rows of a line scanner that are in reach. The
     /// fourth degree is not used where the points lie to one side, as at a boundary, because it
     /// would oscillate freely.
-    pub fn fit(plane: &ReferencePlane, around: &[Sample], h: f64) -> Option<Polynomial> {
+    pub(crate) fn fit(plane: &ReferencePlane, around: &[Sample], h: f64) -> Option<Polynomial> {
         let axes = plane_axes(plane.normal);
         let rows: Vec<FitRow> = around.iter().map(|p| FitRow::new(p, plane, axes, h)).collect();
         let means = means(&rows);

@@ -13,7 +13,7 @@ pub(crate) struct Sides {
 impl Sides {
     /// The sides of the triangles. If two triangles have the same directed side, the later one is
     /// stored.
-    pub fn of(triangles: &[[usize; 3]]) -> Self {
+    pub(crate) fn of(triangles: &[[usize; 3]]) -> Self {
         let count = triangles.iter().flatten().max().map_or(0, |last| last + 1);
         let mut sides = Sides { leaving: vec![SmallVec::new(); count] };
         triangles.iter().enumerate().for_each(|(number, &t)| sides.insert(t, number));
@@ -36,7 +36,7 @@ impl Sides {
     }
 
     /// All sides with a triangle to the left only.
-    pub fn outer(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+    pub(crate) fn outer(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         let leaving = self.leaving.iter().enumerate();
         let all = leaving.flat_map(|(a, to)| to.iter().map(move |side| [a, side.0 as usize]));
         all.filter(|&[a, b]| self.get(b, a).is_none())

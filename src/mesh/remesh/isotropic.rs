@@ -13,7 +13,7 @@ use crate::progress::Progress;
 
 /// The least number of triangles around a vertex that loses one in a collapse. If pairs of triangles
 /// are joined to quads, three of these should be left.
-pub const LEAST_VALENCE: usize = 4;
+pub(crate) const LEAST_VALENCE: usize = 4;
 
 /// Divisions add at most so many points for each that triangles of the wanted length need. Without flips in between, a
 /// triangle of a length n takes n^1.6 points, and not n. Parts of CAD programs with long slivers need up to 4.
@@ -24,13 +24,13 @@ const MOST_ADDED: f64 = 5.0;
 const THIN: f64 = 100.0;
 
 /// The area of a vertex in a mesh of equilateral triangles is the square of their side divided by this.
-pub const EQUILATERAL: f64 = 1.154_7;
+pub(crate) const EQUILATERAL: f64 = 1.154_7;
 
 /// A closed mesh with sides of about a length. Its vertices lie on the given mesh.
 ///
 /// # Errors
 /// What `progress` returns, or that the triangles are too thin to be divided.
-pub fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Mesh> {
+pub(crate) fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Mesh> {
     let needed = EQUILATERAL * scan.area() / length.powi(2);
     let side = |side: usize| {
         let (a, b) = scan.side(side);

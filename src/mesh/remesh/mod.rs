@@ -8,9 +8,9 @@ mod isotropic;
 mod refine;
 mod sizes;
 
-pub use isotropic::{EQUILATERAL, LEAST_VALENCE, isotropic};
-pub use refine::{RimTriangulation, divide};
-pub use sizes::Sizes;
+pub(crate) use isotropic::{EQUILATERAL, LEAST_VALENCE, isotropic};
+pub(crate) use refine::{RimTriangulation, divide};
+pub(crate) use sizes::Sizes;
 
 /// The surface folds at a side if the cosine of the angle between the normals of its triangles is
 /// below this value. The normals then differ by more than 107°.

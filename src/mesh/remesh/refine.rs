@@ -12,7 +12,7 @@ use crate::geometry::{MOST_ROUNDS, Point, Vector, VertexId, unit_normal};
 const MAX_POINTS_RATIO: usize = 40;
 
 /// A triangulation over the corners of rims, which stay in place. The other points follow them.
-pub struct RimTriangulation {
+pub(crate) struct RimTriangulation {
     pub points: Vec<Point>,
     pub triangles: Vec<[usize; 3]>,
     /// The number of rim corners.
@@ -127,7 +127,7 @@ impl RimTriangulation {
 /// `length` gives the wanted length at a place. There are at most `most` points afterwards. Returns
 /// the two triangles at each divided edge. Each division adds a triangle for the first one of them,
 /// and then a triangle for the second one.
-pub fn divide(
+pub(crate) fn divide(
     points: &mut Vec<Point>,
     triangles: &mut Vec<[usize; 3]>,
     length: impl Fn(Point) -> f64,

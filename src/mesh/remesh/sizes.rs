@@ -6,7 +6,7 @@ use crate::mesh::Neighbours;
 /// Edge lengths graded from the rim. The fill is as fine as the rim beside it. Away from the rim,
 /// where nothing was measured, edges become slowly longer.
 #[derive(Debug)]
-pub struct Sizes {
+pub(crate) struct Sizes {
     near: Neighbours,
     rim: Vec<Point>,
     sizes: Vec<f64>,
@@ -22,7 +22,7 @@ const MAX_GROWTH: f64 = 5.0;
 
 impl Sizes {
     /// The edge lengths in a hole with these closed rims.
-    pub fn new(rims: &[Vec<Point>]) -> Self {
+    pub(crate) fn new(rims: &[Vec<Point>]) -> Self {
         let mut sizes = Vec::new();
         for rim in rims {
             let n = rim.len();

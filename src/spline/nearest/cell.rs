@@ -42,7 +42,7 @@ pub(super) struct DerivativeBounds {
 impl DerivativeBounds {
     /// Computes the bounds from the first derivatives at the centre, their variation over the cell,
     /// and the second derivatives.
-    pub fn new(sides: &[Vector; 2], differ: [f64; 2], bend: [f64; 3]) -> Self {
+    pub(super) fn new(sides: &[Vector; 2], differ: [f64; 2], bend: [f64; 3]) -> Self {
         let [a, b] = [0, 1].map(|k| sides[k].norm());
         let share = |x: f64, y: f64| if x == 0.0 { 0.0 } else { x / y.max(f64::MIN_POSITIVE) };
         let cosine = share(sides[0].dot(&sides[1]).abs(), a * b).min(1.0);
@@ -70,7 +70,7 @@ impl DerivativeBounds {
 
 impl SurfaceCell {
     /// The cell between two corners of the parameter plane. The surface must be smooth in it.
-    pub fn measured<S: ParametricSurface + ?Sized>(surface: &S, low: Uv, high: Uv) -> Self {
+    pub(super) fn measured<S: ParametricSurface + ?Sized>(surface: &S, low: Uv, high: Uv) -> Self {
         let half = 0.5 * (high - low);
         let middle = nalgebra::center(&low, &high);
         let centre = surface.jet(middle);

@@ -37,7 +37,7 @@ pub(super) struct CellGrid {
 }
 
 impl CellGrid {
-    pub fn new<S: ParametricSurface + ?Sized>(surface: &S) -> Self {
+    pub(super) fn new<S: ParametricSurface + ?Sized>(surface: &S) -> Self {
         let breaks = surface.breaks();
         let lines = [0, 1].map(|axis| lines(surface, &breaks, axis));
         let creases = [0, 1].map(|axis| creases(surface, &lines, axis));
@@ -53,7 +53,7 @@ impl CellGrid {
     }
 
     /// The numbers of columns and rows of cells.
-    pub fn shape(&self) -> [usize; 2] {
+    pub(super) fn shape(&self) -> [usize; 2] {
         [self.lines[0].len() - 1, self.rows]
     }
 

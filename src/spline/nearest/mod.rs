@@ -45,7 +45,7 @@ pub(crate) struct NearestSearch {
 impl NearestSearch {
     /// Builds the structure. Only cells for which `is_used` holds are searched; its arguments are
     /// the low and the high corner of the cell.
-    pub fn new<S: ParametricSurface + ?Sized>(
+    pub(crate) fn new<S: ParametricSurface + ?Sized>(
         surface: &S,
         is_used: impl Fn(Uv, Uv) -> bool + Sync,
     ) -> Self {

@@ -35,7 +35,7 @@ pub(super) struct BoxTree {
 
 impl BoxTree {
     /// The tree of the cells for which `is_used` holds.
-    pub fn new(grid: &CellGrid, is_used: impl Fn(Uv, Uv) -> bool + Sync) -> Self {
+    pub(super) fn new(grid: &CellGrid, is_used: impl Fn(Uv, Uv) -> bool + Sync) -> Self {
         let used = grid.cells.par_iter().with_min_len(64).map(|c| is_used(c.low, c.high));
         let used: Vec<bool> = used.collect();
         let mut tree = BoxTree { nodes: Vec::with_capacity(2 * grid.cells.len()) };
@@ -82,7 +82,7 @@ impl BoxTree {
     }
 
     /// The diagonal of the box around all cells.
-    pub fn diagonal(&self) -> f64 {
+    pub(super) fn diagonal(&self) -> f64 {
         self.nodes.first().map_or(0.0, |root| (root.high - root.low).norm())
     }
 

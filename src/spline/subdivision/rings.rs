@@ -17,7 +17,7 @@ pub(super) struct HalfEdges {
 
 impl HalfEdges {
     /// Returns `None` unless every side of a quad has exactly one quad on its other side.
-    pub fn new(quads: &[[VertexId; 4]]) -> Option<Self> {
+    pub(super) fn new(quads: &[[VertexId; 4]]) -> Option<Self> {
         let ends = |h: usize| (quads[h / 4][h % 4], quads[h / 4][(h + 1) % 4]);
         let all: HashMap<_, u32> = (0..4 * quads.len()).map(|h| (ends(h), h as u32)).collect();
         if all.len() != 4 * quads.len() {
@@ -48,7 +48,7 @@ impl HalfEdges {
 
     /// A vertex and its ring: the vertex, then for each quad around it counter-clockwise, from the
     /// half-edge `h` that leaves it, the end of the half-edge and the opposite corner of the quad.
-    pub fn ring(&self, h: usize, out: &mut Vec<u32>) {
+    pub(super) fn ring(&self, h: usize, out: &mut Vec<u32>) {
         out.push(self.quads[h / 4][h % 4].0);
         let mut spoke = h;
         loop {
@@ -76,7 +76,7 @@ impl HalfEdges {
     /// (0, 0), `h` ends at (1, 0), and the quad is to the left of `h`: the ring of that vertex, then
     /// the points at (2, −1), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2) and (−1, 2). The other three
     /// corners of the quad must have four quads.
-    pub fn control(&self, h: usize, out: &mut Vec<u32>) {
+    pub(super) fn control(&self, h: usize, out: &mut Vec<u32>) {
         self.ring(h, out);
         let right = self.twin(Self::next(h, 1));
         let top = self.twin(Self::next(h, 2));

@@ -23,7 +23,7 @@ pub(super) struct Table {
 const PIECES: [[i32; 2]; 3] = [[0, -1], [0, 0], [-1, 0]];
 
 impl Table {
-    pub fn new(valence: usize) -> Self {
+    pub(super) fn new(valence: usize) -> Self {
         let rules = Rules { valence };
         let size = rules.size();
         let mut power = DMatrix::identity(size, size);

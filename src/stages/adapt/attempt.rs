@@ -19,7 +19,7 @@ pub(crate) struct Attempt {
 
 impl Attempt {
     /// A `surface` for a state, with the foot points found from the state's parameters.
-    pub fn new(problem: &Problem, state: State, surface: Surface, fit: fit::Report) -> Self {
+    pub(super) fn new(problem: &Problem, state: State, surface: Surface, fit: fit::Report) -> Self {
         let foot_points = problem.foot_points(&surface, &state.uv);
         Attempt { state, surface, fit, foot_points }
     }
@@ -86,7 +86,7 @@ pub(crate) struct FootPoints {
 
 impl FootPoints {
     /// The distances of the measured vertices.
-    pub fn measured(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(super) fn measured(&self) -> impl Iterator<Item = f64> + '_ {
         self.distances[..self.measured].iter().copied()
     }
 

@@ -56,7 +56,7 @@ pub(crate) struct InnerSamples {
 
 impl InnerSamples {
     /// Those of a triangle.
-    pub fn of(&self, triangle: usize) -> Range<usize> {
+    pub(super) fn of(&self, triangle: usize) -> Range<usize> {
         self.of.get(&triangle).cloned().unwrap_or_default()
     }
 
@@ -109,7 +109,7 @@ pub(crate) struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     /// One for a surface over a mesh with vertices at `uv`, whose normals are those of `holds`.
-    pub fn new(
+    pub(super) fn new(
         mesh: &'a Mesh,
         holds: &[TangentDistance],
         uv: &'a [Uv],

@@ -36,7 +36,7 @@ pub(crate) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub fn new(map: &'a Parameterized, options: &'a Options, goal: &'a Goal) -> Self {
+    pub(super) fn new(map: &'a Parameterized, options: &'a Options, goal: &'a Goal) -> Self {
         let triangles = [&map.patch.mesh.triangles[..], &map.scaffold.triangles].concat();
         let at = with_scaffold(&map.uv, &map.scaffold.uv);
         let areas = triangles.par_iter().map(|&t| area(&at, t)).collect();
@@ -55,7 +55,7 @@ impl<'a> Problem<'a> {
     }
 
     /// How many vertices were measured.
-    pub fn measured(&self) -> usize {
+    pub(super) fn measured(&self) -> usize {
         self.map.patch.measured
     }
 

@@ -29,7 +29,7 @@ pub(crate) struct FitRun<'a> {
 
 impl<'a> FitRun<'a> {
     /// A run that goes on after so many `fits` and so much `work` on another map.
-    pub fn new(
+    pub(super) fn new(
         problem: &'a Problem<'a>,
         (fits, work): (usize, Work),
         progress: &'a mut Progress<'a>,
@@ -38,7 +38,7 @@ impl<'a> FitRun<'a> {
     }
 
     /// Fits a surface to a state.
-    pub fn fit(&mut self, state: State) -> Result<Attempt> {
+    pub(super) fn fit(&mut self, state: State) -> Result<Attempt> {
         // How many fits follow is not known. As many as were made is a guess.
         (self.progress)(self.fits as f64 / (self.fits + 1) as f64)?;
         let (problem, method) = (self.problem, self.problem.options.method);

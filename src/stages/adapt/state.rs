@@ -32,7 +32,7 @@ pub(crate) struct State {
 
 impl State {
     /// The map as it is, over a single knot cell.
-    pub fn new(problem: &Problem) -> Self {
+    pub(super) fn new(problem: &Problem) -> Self {
         State {
             knots: [(); 2].map(|()| KnotVector::uniform(3, 4)),
             uv: problem.map.uv.clone(),

@@ -38,7 +38,7 @@ pub(crate) struct Work {
 
 impl Work {
     /// Counts a fit, and remembers its net if it is worth more than those before.
-    pub fn count(&mut self, problem: &Problem, of: &Attempt) {
+    pub(super) fn count(&mut self, problem: &Problem, of: &Attempt) {
         self.add(problem, of, 1.0);
         // Nothing else has a bound.
         if !problem.goal.named || problem.options.worth <= 0.0 {
@@ -51,12 +51,12 @@ impl Work {
     }
 
     /// Adds the work of so many fits over the net of an attempt.
-    pub fn add(&mut self, problem: &Problem, of: &Attempt, fits: f64) {
+    pub(super) fn add(&mut self, problem: &Problem, of: &Attempt, fits: f64) {
         self.done += fits * of_net(problem, of.surface.net.len());
     }
 
     /// Whether the work for a named tolerance has passed that of so many `runs` without one. It is then spent.
-    pub fn exceeds(&mut self, problem: &Problem, runs: f64) -> bool {
+    pub(super) fn exceeds(&mut self, problem: &Problem, runs: f64) -> bool {
         let Some((_, net)) = self.worth else { return false };
         let largest = problem.options.knots.largest_worth(problem.measured());
         let run = FITS * of_net(problem, net.min(largest));

@@ -115,7 +115,7 @@ pub(super) struct Averaged {
 
 impl Averaged {
     /// Averages a cloud. `None` if it is not so dense that it should be.
-    pub fn new(cloud: &Points, ordered: &Ordered, options: &Options) -> Option<Self> {
+    pub(super) fn new(cloud: &Points, ordered: &Ordered, options: &Options) -> Option<Self> {
         let count = ordered.points.len() as f64;
         let most = options.most_places.map_or(f64::INFINITY, |most| most as f64);
         if count < (LEAST_POINTS * LEAST_CELLS).min(most) {
@@ -139,7 +139,7 @@ impl Averaged {
     }
 
     /// The triangles of the means as those of the cloud. Rims are moved to the ends of their points.
-    pub fn of_cloud(
+    pub(super) fn of_cloud(
         &self,
         made: Triangulation,
         cloud: &Points,

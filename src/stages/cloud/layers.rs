@@ -52,7 +52,7 @@ pub(super) struct LayerSearch {
 impl<'a> Layers<'a> {
     /// Looks for layers among the neighbourhoods of `count` points. `facing` has the direction in which each point
     /// faces, if that is known.
-    pub fn new(
+    pub(super) fn new(
         points: &'a [Point],
         near: &'a Neighbours,
         facing: Option<Vec<Vector>>,
@@ -74,7 +74,7 @@ impl<'a> Layers<'a> {
 
     /// Lists the `count` nearest points of the layer of point `i`, nearest first. Where it has fewer, some are there
     /// repeatedly.
-    pub fn list(&self, i: usize, count: usize, search: &mut LayerSearch) {
+    pub(super) fn list(&self, i: usize, count: usize, search: &mut LayerSearch) {
         let own = self.points[i];
         let LayerSearch { found, places, list } = search;
         let around = if self.distance.is_some() { AROUND } else { 1 };

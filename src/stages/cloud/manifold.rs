@@ -24,7 +24,7 @@ pub(super) struct ManifoldMesh {
 
 impl ManifoldMesh {
     /// Makes the mesh. Small loops are closed.
-    pub fn new(vertices: &[SurfacePoint], triangles: &[[u32; 3]]) -> Self {
+    pub(super) fn new(vertices: &[SurfacePoint], triangles: &[[u32; 3]]) -> Self {
         let points: Vec<Point> = vertices.iter().map(|v| v.place).collect();
         let triangles = triangles.iter().map(|t| t.map(VertexId)).collect();
         let mut made = ManifoldMesh::with_all_pieces(Mesh { points, triangles });

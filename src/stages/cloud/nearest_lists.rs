@@ -16,7 +16,7 @@ pub(super) struct NearestLists {
 
 impl NearestLists {
     /// Lists the `k` nearest of `points` in the layer of each. There must be more than `k`.
-    pub fn new(points: &[Point], layers: &Layers<'_>, k: usize) -> Self {
+    pub(super) fn new(points: &[Point], layers: &Layers<'_>, k: usize) -> Self {
         Self::filled(points.len(), k, |search: &mut LayerSearch, own, list| {
             layers.list(own, k, search);
             list.copy_from_slice(&search.list);
@@ -25,7 +25,11 @@ impl NearestLists {
 
     /// Lists the `k` nearest of `points`, with `are_joined` only those that it joins. There are fewer where few are
     /// joined, and the rest of a list is the point itself.
-    pub fn of_joined(points: &[Point], k: usize, are_joined: Option<&AreJoined<'_>>) -> Self {
+    pub(super) fn of_joined(
+        points: &[Point],
+        k: usize,
+        are_joined: Option<&AreJoined<'_>>,
+    ) -> Self {
         let near = Neighbours::new(points);
         let looked_at = if are_joined.is_some() { AROUND * k } else { k };
         Self::filled(points.len(), k, |found: &mut Vec<(u32, f64)>, own, list| {
@@ -53,7 +57,7 @@ impl NearestLists {
     }
 
     /// The number of neighbours of each point.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.k
     }
 
@@ -79,7 +83,7 @@ impl NearestLists {
     }
 
     /// The neighbours of point `i`.
-    pub fn of(&self, i: usize) -> &[u32] {
+    pub(super) fn of(&self, i: usize) -> &[u32] {
         &self.flat[i * self.k..(i + 1) * self.k]
     }
 }

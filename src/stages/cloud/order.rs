@@ -39,7 +39,7 @@ pub(super) struct WorkFrame {
 
 impl WorkFrame {
     /// The map for points at these positions.
-    pub fn new(positions: &[[f64; 3]]) -> Self {
+    pub(super) fn new(positions: &[[f64; 3]]) -> Self {
         let largest = positions.par_iter().map(largest_coordinate).reduce(|| 0.0, f64::max);
         let mut frame = WorkFrame { factor: inverse_size(largest), middle: Vector::zeros() };
         let [low, high] = bounds(positions.iter().map(|&p| frame.inward(p)));
@@ -80,7 +80,7 @@ fn inverse_size(size: f64) -> f64 {
 }
 
 impl Ordered {
-    pub fn new(positions: &[[f64; 3]]) -> Self {
+    pub(super) fn new(positions: &[[f64; 3]]) -> Self {
         let frame = WorkFrame::new(positions);
         let at = |i: u32| frame.inward(positions[i as usize]);
         let grid = MortonGrid::new((0..positions.len() as u32).map(at));
@@ -112,7 +112,7 @@ impl Ordered {
 
     /// The first point in each cube that holds points, and the edge of the cubes: the longest one that is not longer
     /// than asked. Halves of the extent of the cloud are tried.
-    pub fn cubes(&self, longest: f64) -> (Vec<u32>, f64) {
+    pub(super) fn cubes(&self, longest: f64) -> (Vec<u32>, f64) {
         let levels = (longest * self.grid.scale).log2().floor().clamp(0.0, LEVELS) as u32;
         let cube = |i: usize| self.grid.code(&self.points[i]) >> (3 * levels);
         let is_first = |&i: &usize| i == 0 || cube(i) != cube(i - 1);

@@ -21,7 +21,7 @@ pub(super) struct PrincipalPlane {
 
 impl PrincipalPlane {
     /// Fits the plane to points, given by their weights and their places relative to any point.
-    pub fn fit(points: impl Iterator<Item = (f64, Vector)>) -> Self {
+    pub(super) fn fit(points: impl Iterator<Item = (f64, Vector)>) -> Self {
         let (mut total, mut sum, mut squares) = (0.0, Vector::zeros(), [0.0; 6]);
         for (w, d) in points {
             total += w;
@@ -104,7 +104,7 @@ impl QuadricRows {
     /// Fits a quadric over the plane through `origin` with this unit `normal`. A plane is fitted
     /// in place of the quadric where the points do not determine one at the origin: its height
     /// there would vary more than that of a single point. `None` if not even a plane is determined.
-    pub fn fit(
+    pub(super) fn fit(
         &mut self,
         origin: Point,
         normal: Vector,

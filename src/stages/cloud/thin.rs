@@ -31,7 +31,7 @@ pub(super) struct KeptPoints {
 impl KeptPoints {
     /// Keeps each point that no earlier one has removed. A kept point removes later ones that are
     /// closer than a share of its spacing, or closer than `apart`.
-    pub fn new(
+    pub(super) fn new(
         surface: &[SurfacePoint],
         spacing: &[f64],
         noise: f64,

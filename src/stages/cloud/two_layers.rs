@@ -26,7 +26,7 @@ pub(super) struct TwoLayers {
 
 impl TwoLayers {
     /// Divides points around a place, if they are two layers with nothing between.
-    pub fn new(own: Point, radius: f64, points: &[Point]) -> Option<Self> {
+    pub(super) fn new(own: Point, radius: f64, points: &[Point]) -> Option<Self> {
         let plane = PrincipalPlane::fit(points.iter().map(|p| (1.0, p - own)));
         let (x, y) = plane_axes(plane.normal);
         let flat = |p: &Point| {

@@ -42,7 +42,7 @@ pub(super) const TRIANGLE: u32 = 1 << 31;
 
 impl VoronoiStars {
     /// Computes the stars of all vertices. `are_joined` says whether two of them are in one layer, if there are several.
-    pub fn new(vertices: &[SurfacePoint], are_joined: Option<&AreJoined<'_>>) -> Self {
+    pub(super) fn new(vertices: &[SurfacePoint], are_joined: Option<&AreJoined<'_>>) -> Self {
         let places: Vec<Point> = vertices.iter().map(|v| v.place).collect();
         // Sheets of fewer vertices than that may remain of many points.
         let count = NEIGHBOURS.min(places.len().saturating_sub(1));

@@ -31,7 +31,7 @@ pub(crate) fn band(
 
 /// The width of the band. To show the curvature over a hole of half width `radius` it must be
 /// about as wide as that. For wide holes it is less, because their long rims have many points.
-pub fn width(radius: f64, edge: f64) -> f64 {
+pub(super) fn width(radius: f64, edge: f64) -> f64 {
     (0.8 * (radius * radius.min(12.0 * edge)).sqrt()).max(6.0 * edge)
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct MeasuredPoints<'a> {
 
 impl MeasuredPoints<'_> {
     /// The measured position of a vertex, or the smoothed one if smoothing has moved an outlier.
-    pub fn point(&self, v: VertexId, smoothed: Point) -> Point {
+    pub(super) fn point(&self, v: VertexId, smoothed: Point) -> Point {
         let p = self.points[v.index()];
         let farthest = outlying(self.points.len()) * self.noise;
         if (p - smoothed).norm() <= farthest { p } else { smoothed }

@@ -33,7 +33,7 @@ type Entry = GeomWithData<Rectangle<[f64; 3]>, u32>;
 
 impl BoxGrid {
     /// Boxes in a grid whose finest cells have this width.
-    pub fn new(boxes: Vec<[Point; 2]>, width: f64) -> Self {
+    pub(super) fn new(boxes: Vec<[Point; 2]>, width: f64) -> Self {
         let mask = (boxes.len() / 2).next_power_of_two() - 1;
         let keys = boxes.par_iter().map(|place| {
             let (level, cell) = home(place, width);

@@ -26,7 +26,7 @@ impl ChartedFill {
     }
 
     /// The area in space.
-    pub fn area(&self) -> f64 {
+    pub(super) fn area(&self) -> f64 {
         let area = |t: &[usize; 3]| {
             let [a, b, c] = t.map(|v| self.points[v]);
             0.5 * (b - a).cross(&(c - a)).norm()

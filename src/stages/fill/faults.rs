@@ -34,7 +34,7 @@ impl Faults {
 pub(crate) struct Obstacles(BoxGrid);
 
 impl Obstacles {
-    pub fn new(mesh: &Mesh) -> Self {
+    pub(super) fn new(mesh: &Mesh) -> Self {
         let side = |t: &[VertexId; 3]| (mesh.point(t[1]) - mesh.point(t[0])).norm();
         let mean = mesh.triangles.iter().map(side).sum::<f64>() / mesh.triangles.len() as f64;
         let extents = mesh.triangles.par_iter().map(|t| extent(t.map(|v| mesh.point(v))));

@@ -9,7 +9,7 @@ use crate::mesh::remesh::{RimTriangulation, Sizes};
 /// surface. `beside` has the unit normal of the surface beside each side; `joined` says
 /// whether two corners are joined by an edge already, or are the same vertex. `None` if a
 /// number is not finite.
-pub fn triangulate(
+pub(super) fn triangulate(
     rim: &[Point],
     beside: &[Vector],
     joined: impl Fn(usize, usize) -> bool,

@@ -14,7 +14,7 @@ pub(crate) struct Numbering<'a> {
 }
 
 impl<'a> Numbering<'a> {
-    pub fn new(hole: OpenHole<'a>) -> Self {
+    pub(super) fn new(hole: OpenHole<'a>) -> Self {
         let rim = hole.rims.concat();
         let places = rim.iter().enumerate().map(|(i, &v)| (v, i)).collect();
         Numbering { hole, rim, places }
@@ -43,7 +43,12 @@ impl<'a> Numbering<'a> {
     }
 
     /// The fill of such points and triangles, which were made from those of another fill.
-    pub fn fill(&self, mut points: Vec<Point>, triangles: &[[usize; 3]], from: &Fill) -> Fill {
+    pub(super) fn fill(
+        &self,
+        mut points: Vec<Point>,
+        triangles: &[[usize; 3]],
+        from: &Fill,
+    ) -> Fill {
         Fill {
             points: points.split_off(self.rim.len()),
             triangles: triangles.iter().map(|t| t.map(|i| self.global(i))).collect(),

@@ -11,7 +11,7 @@ pub(crate) struct RimOutlines {
 }
 
 impl RimOutlines {
-    pub fn new(outlines: &[Vec<Uv>]) -> Self {
+    pub(super) fn new(outlines: &[Vec<Uv>]) -> Self {
         let [low, high] = uv_bounds(&outlines.concat());
         let size = high - low;
         let is_wide = size.x > size.y;

@@ -64,7 +64,7 @@ pub(crate) struct Shaper<'a> {
 
 impl<'a> Shaper<'a> {
     /// `None` for a hole whose rims enclose no area.
-    pub fn new(hole: OpenHole<'a>, measured: &'a MeasuredPoints<'a>) -> Option<Self> {
+    pub(super) fn new(hole: OpenHole<'a>, measured: &'a MeasuredPoints<'a>) -> Option<Self> {
         let mesh = hole.around.mesh;
         let perimeter = hole.rims.iter().map(|r| boundary::length(mesh, r)).sum::<f64>();
         // The hole is to the right of its rims.

@@ -27,7 +27,7 @@ type Coefficients = SMatrix<f64, 16, 3>;
 
 /// Computes the control net and the weight of each control point. The weight is 0 where no samples
 /// determine the control point.
-pub fn fit(cells: &KnotCells) -> (Vec<PaddedPoint>, Vec<f64>) {
+pub(super) fn fit(cells: &KnotCells) -> (Vec<PaddedPoint>, Vec<f64>) {
     let [across, down] = cells.counts();
     let mut blend = Blend::new(across, down);
     let strip = |p: usize| -> Vec<Windowed> {

@@ -39,7 +39,7 @@ pub(crate) struct CellSample<W> {
 impl<'a> KnotCells<'a> {
     /// Sorts the samples by cell. The order of samples within a cell is the order of the input, so
     /// that sums over a cell do not depend on the number of threads.
-    pub fn new(samples: &'a Samples, knots: [&'a KnotVector; 2]) -> Self {
+    pub(super) fn new(samples: &'a Samples, knots: [&'a KnotVector; 2]) -> Self {
         let spans = knots.map(KnotSpans::new);
         let down = spans[1].all.len();
         let home = |at: &Uv| (spans[0].find(at.x) * down + spans[1].find(at.y)) as u32;
@@ -62,7 +62,7 @@ impl<'a> KnotCells<'a> {
     }
 
     /// The number of samples in cell (p, q).
-    pub fn count(&self, p: usize, q: usize) -> usize {
+    pub(super) fn count(&self, p: usize, q: usize) -> usize {
         self.indices(p, q).len()
     }
 

@@ -25,7 +25,7 @@ impl<W: Weight> Moments<W> {
     }
 
     /// The sums over cell (p, q).
-    pub fn of(cells: &KnotCells, p: usize, q: usize) -> Self {
+    pub(super) fn of(cells: &KnotCells, p: usize, q: usize) -> Self {
         let mut sums = Moments::zero();
         for sample in cells.samples::<W>(p, q) {
             let (s, t) = (powers(sample.place.x), powers(sample.place.y));

@@ -44,7 +44,7 @@ const ANCHOR: f64 = 1e-11;
 
 impl<W: Weight> NormalEquations<W> {
     /// Sums up the samples. Each sample is visited once.
-    pub fn new(cells: &KnotCells) -> Self {
+    pub(super) fn new(cells: &KnotCells) -> Self {
         let strips = strips(cells);
         let mut equations = NormalEquations::fairing(&strips, cells);
         let spans = &cells.spans[0].all;
@@ -97,7 +97,7 @@ impl<W: Weight> NormalEquations<W> {
     }
 
     /// The diagonal of the matrix, averaged over all directions.
-    pub fn diagonal(&self) -> Vec<f64> {
+    pub(super) fn diagonal(&self) -> Vec<f64> {
         (0..self.shape[0]).flat_map(|i| self.band(i, 0).iter().map(|b| b[0].mean())).collect()
     }
 

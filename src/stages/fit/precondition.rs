@@ -47,7 +47,7 @@ const WEAK_SHARE: usize = 5;
 impl Preconditioner {
     /// The preconditioner of equations over the given spans. `None` if so many control points are
     /// determined weakly that a direct solution of the whole net is cheaper.
-    pub fn new(equations: &NormalEquations, spans: &[KnotSpans; 2]) -> Result<Option<Self>> {
+    pub(super) fn new(equations: &NormalEquations, spans: &[KnotSpans; 2]) -> Result<Option<Self>> {
         let [u, v] = spans.each_ref().map(mass);
         let even = u.iter().flat_map(|a| v.iter().map(move |b| a[0] * b[0]));
         let own = equations.diagonal();

@@ -20,7 +20,7 @@ const MIN_SPANS: usize = 24;
 
 /// The net to start at, relative to the origin of the samples. It is zero if the net is small or
 /// if the samples do not determine the coarser net.
-pub fn of(cells: &KnotCells) -> Vec<PaddedPoint> {
+pub(super) fn of(cells: &KnotCells) -> Vec<PaddedPoint> {
     coarse(cells).unwrap_or_else(|| {
         vec![PaddedPoint::zeros(); cells.spans.each_ref().map(|s| s.all.len() + 3).iter().product()]
     })

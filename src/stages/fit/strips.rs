@@ -38,7 +38,7 @@ pub(crate) struct Census {
 
 impl<W: Weight> StripSums<W> {
     /// The sums of strip `p`.
-    pub fn new(cells: &KnotCells, p: usize) -> Self {
+    pub(super) fn new(cells: &KnotCells, p: usize) -> Self {
         let down = cells.counts()[1];
         let mut strip = StripSums {
             gram: vec![[[W::even(0.0); 4]; 7]; down + 3],

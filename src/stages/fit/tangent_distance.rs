@@ -22,7 +22,7 @@ pub(crate) struct TangentDistance {
 impl TangentDistance {
     /// The matrix of the squared distance with a small weight for tangential distances. If the
     /// parameters of the sample are `stuck`, distances in all directions count fully.
-    pub fn of(&self, stuck: bool) -> Matrix3<f64> {
+    pub(crate) fn of(&self, stuck: bool) -> Matrix3<f64> {
         match stuck {
             true => Matrix3::identity(),
             false => Matrix3::identity() * TANGENTIAL + self.metric * (1.0 - TANGENTIAL),

@@ -21,7 +21,7 @@ pub(crate) struct Jumps {
 
 impl Jumps {
     /// Computes the jumps in the middles of the spans.
-    pub fn new(surface: &Surface) -> Self {
+    pub(super) fn new(surface: &Surface) -> Self {
         let breaks = [surface.u.breaks(), surface.v.breaks()];
         let along_u = |u: f64, v: f64| Uv::new(u, v);
         let along_v = |v: f64, u: f64| Uv::new(u, v);

@@ -45,7 +45,7 @@ pub(super) struct Base {
 }
 
 impl Base {
-    pub fn new(ground: &Ground) -> Self {
+    pub(super) fn new(ground: &Ground) -> Self {
         let scan = &ground.mesh;
         let triangles: Vec<[u32; 3]> = scan.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let mut around = vec![Vec::new(); scan.points.len()];
@@ -73,7 +73,7 @@ impl Base {
         }
     }
 
-    pub fn point(&self, v: u32) -> Point {
+    pub(super) fn point(&self, v: u32) -> Point {
         self.points[v as usize]
     }
 
@@ -106,7 +106,7 @@ impl Base {
 
     /// The neighbours of a vertex, counter-clockwise, each with the triangle between it and the next
     /// one. `None` if the triangles do not form one ring.
-    pub fn ring(&self, v: u32) -> Option<Vec<(u32, u32)>> {
+    pub(super) fn ring(&self, v: u32) -> Option<Vec<(u32, u32)>> {
         let around = &self.around[v as usize];
         let sides: Vec<(u32, u32, u32)> = around
             .iter()
@@ -139,7 +139,7 @@ impl Base {
     }
 
     /// The area-weighted normal of three points.
-    pub fn area_vector(&self, t: [u32; 3]) -> Vector {
+    pub(super) fn area_vector(&self, t: [u32; 3]) -> Vector {
         let [a, b, c] = t.map(|v| self.point(v));
         (b - a).cross(&(c - a))
     }

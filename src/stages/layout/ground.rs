@@ -40,7 +40,7 @@ const AWAY: f64 = -0.53;
 
 impl Ground {
     /// The ground of a scan, whose roughest places are smoothed.
-    pub fn new(scan: &Mesh, progress: &mut Progress) -> Result<Self> {
+    pub(super) fn new(scan: &Mesh, progress: &mut Progress) -> Result<Self> {
         let [least, most] = POINTS;
         let points = (FINER * scan.points.len()).clamp(least, most) as f64;
         let length = (EQUILATERAL * scan.area() / points).sqrt();
@@ -105,7 +105,7 @@ impl Ground {
         ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
     }
 
-    pub fn point(&self, place: &TrianglePlace) -> Point {
+    pub(super) fn point(&self, place: &TrianglePlace) -> Point {
         let corners = self.mesh.corners(self.mesh.triangles[place.triangle as usize]);
         let terms = corners.iter().zip(place.weights).map(|(c, w)| c.coords * w);
         Point::from(terms.sum::<Vector>())

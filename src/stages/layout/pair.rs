@@ -41,7 +41,7 @@ pub(super) struct Pairs {
 impl Pairs {
     /// Joins the triangles, and keeps the pairs of an `earlier` state of the base that still exist.
     /// `None` if they are not closed or have no perfect matching.
-    pub fn new(base: &Base, earlier: Option<&Pairs>) -> Option<Self> {
+    pub(super) fn new(base: &Base, earlier: Option<&Pairs>) -> Option<Self> {
         let triangles: Vec<u32> =
             (0..base.triangles.len() as u32).filter(|&t| base.alive[t as usize]).collect();
         let number: BTreeMap<u32, u32> =

@@ -49,7 +49,11 @@ pub(super) struct Relaxed<'a> {
 }
 
 impl<'a> Relaxed<'a> {
-    pub fn new(mesh: &'a QuadMesh, ground: &'a mut Ground, places: Vec<TrianglePlace>) -> Self {
+    pub(super) fn new(
+        mesh: &'a QuadMesh,
+        ground: &'a mut Ground,
+        places: Vec<TrianglePlace>,
+    ) -> Self {
         let mut around = vec![Vec::new(); places.len()];
         for (q, quad) in mesh.quads.iter().enumerate() {
             (0..4).for_each(|k| around[quad[k].index()].push((q as u32, k as u8)));

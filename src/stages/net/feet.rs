@@ -26,7 +26,7 @@ pub(super) struct Feet {
 
 impl Feet {
     /// Searches the foot points from samples of the whole surface.
-    pub fn new(net: &Net, points: &[Point], normals: &[Vector]) -> Self {
+    pub(super) fn new(net: &Net, points: &[Point], normals: &[Vector]) -> Self {
         let control = net.control();
         let place = |k: usize| {
             let (quad, sample) = (

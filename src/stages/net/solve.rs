@@ -29,7 +29,7 @@ struct QuadSums {
 pub(super) struct NetEquations(SparseNormal);
 
 impl NetEquations {
-    pub fn new(net: &Net) -> Result<Self> {
+    pub(super) fn new(net: &Net) -> Result<Self> {
         let mut columns = vec![Vec::new(); net.mesh.points.len()];
         for quad in 0..net.mesh.quads.len() {
             let control = net.surface.control(quad);

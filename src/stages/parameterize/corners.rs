@@ -17,7 +17,7 @@ const EVEN_CANDIDATES: usize = 16;
 ///
 /// # Errors
 /// [`Error::Corners`] if two points have the same nearest vertex.
-pub fn given(mesh: &Mesh, outer: &[VertexId], points: &[Point; 4]) -> Result<[usize; 4]> {
+pub(super) fn given(mesh: &Mesh, outer: &[VertexId], points: &[Point; 4]) -> Result<[usize; 4]> {
     let nearest = |p: &Point| {
         let distance = |i: &usize| (mesh.point(outer[*i]) - p).norm_squared();
         (0..outer.len()).min_by(|i, j| distance(i).total_cmp(&distance(j))).unwrap_or(0)

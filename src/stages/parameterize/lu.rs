@@ -20,7 +20,7 @@ impl Lu {
     /// # Errors
     /// The pattern of the matrix is that of a singular one, or there is no memory for the
     /// factors.
-    pub fn new(matrix: SparseColMatRef<'_, u32, f64>) -> Result<Self, LuError> {
+    pub(super) fn new(matrix: SparseColMatRef<'_, u32, f64>) -> Result<Self, LuError> {
         let symbolic = factorize_symbolic_lu(matrix.symbolic(), Default::default())?;
         let room = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default());
         let mut room = MemBuffer::try_new(room)?;

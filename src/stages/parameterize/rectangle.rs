@@ -14,7 +14,7 @@ pub(crate) struct Rectangle {
 
 impl Rectangle {
     /// The loop `outer` with four of its vertices, in its order, as corners.
-    pub fn new(outer: &[u32], corners: &[u32; 4]) -> Self {
+    pub(super) fn new(outer: &[u32], corners: &[u32; 4]) -> Self {
         let position = |outer: &[u32], c| outer.iter().position(|&v| v == c).unwrap_or(0);
         let mut outer = outer.to_vec();
         let first = position(&outer, corners[0]);

@@ -44,7 +44,7 @@ pub(crate) struct SquareMap {
 impl<'a> CoarseMap<'a> {
     /// The coarse map with the best set of four corners. Vertices with numbers from `scaffold` on
     /// belong to the scaffold.
-    pub fn new(
+    pub(super) fn new(
         mesh: &'a Mesh,
         outer: &[VertexId],
         scaffold: usize,

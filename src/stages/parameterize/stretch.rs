@@ -48,7 +48,7 @@ pub(crate) fn best_width(
 }
 
 /// The L² stretch of a map, on the rectangle with the least stretch.
-pub fn of(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
+pub(super) fn of(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
     least(sums(derivatives_of(points, at, triangles))).1
 }
 
@@ -76,7 +76,7 @@ fn squared_stretches(su: Vector, sv: Vector) -> [f64; 2] {
 }
 
 /// The area of a surface.
-pub fn area(points: &[Point], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
+pub(super) fn area(points: &[Point], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
     triangles
         .map(|t| {
             let [p, q, r] = t.map(|v| points[v as usize]);

@@ -52,7 +52,12 @@ impl AtomicUv {
 
 impl<'a> SweepMesh<'a> {
     /// Copies the vertices `remaining`. They must have no other neighbours.
-    pub fn new(energy: &StretchEnergy, rings: &OneRings, remaining: &'a [u32], at: &[Uv]) -> Self {
+    pub(super) fn new(
+        energy: &StretchEnergy,
+        rings: &OneRings,
+        remaining: &'a [u32],
+        at: &[Uv],
+    ) -> Self {
         let (rings, _) = rings.renumbered(remaining);
         let groups = relax::groups(&rings, 0..remaining.len() as u32);
         SweepMesh {

@@ -54,7 +54,7 @@ pub(super) fn arguments(knots: &KnotVector, i: usize, first: usize) -> [f64; 3] 
 }
 
 impl Pieces {
-    pub fn new(source: &PatchSource, block: usize) -> Self {
+    pub(super) fn new(source: &PatchSource, block: usize) -> Self {
         let side = source.mesh.side;
         let quads = side * side * block..side * side * (block + 1);
         Pieces { side, grids: quads.map(|quad| grid(source, quad)).collect() }
@@ -62,7 +62,7 @@ impl Pieces {
 
     /// Control point (i, j) of the block's patch, or `None` if its support is inside a quad with an
     /// irregular vertex.
-    pub fn control(&self, knots: &KnotVector, i: usize, j: usize) -> Option<Vector> {
+    pub(super) fn control(&self, knots: &KnotVector, i: usize, j: usize) -> Option<Vector> {
         let columns = spans(knots, i);
         let cells = spans(knots, j).into_iter().flat_map(|b| columns.iter().map(move |&a| (a, b)));
         let (grid, a, b) =

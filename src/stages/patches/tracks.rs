@@ -38,7 +38,7 @@ pub(super) struct Spoke {
 
 impl Spoke {
     /// The spoke that leaves corner `k` of a quad along side `k`.
-    pub fn new(source: &PatchSource, quad: usize, k: usize) -> Self {
+    pub(super) fn new(source: &PatchSource, quad: usize, k: usize) -> Self {
         let ring = source.surface.ring(quad, k);
         let start = limit_point(&ring, source.control).coords;
         let mut samples = vec![(start, 0.0, source.surface.limit_normal(quad, k, source.control))];

@@ -38,7 +38,7 @@ pub(super) struct FaceFit {
 
 impl FaceFit {
     /// A surface near the samples.
-    pub fn of(surface: Surface, target: &FaceTarget) -> Self {
+    pub(super) fn of(surface: Surface, target: &FaceTarget) -> Self {
         FaceFit::near(surface, target, &target.samples.uv)
     }
 

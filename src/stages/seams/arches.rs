@@ -126,7 +126,7 @@ impl Arch {
     }
 
     /// The part of the arch between two points of it.
-    pub fn curve(&self, [from, to]: [Point; 2]) -> Result<BrepCurve, String> {
+    pub(super) fn curve(&self, [from, to]: [Point; 2]) -> Result<BrepCurve, String> {
         if self.is_straight() {
             return BrepCurve::line(array(from), array(to));
         }

@@ -29,7 +29,7 @@ pub(super) fn around(angle: f64) -> f64 {
 
 impl Chart {
     /// The surface with its usual frame. A sphere has the given axis.
-    pub fn new(surface: &Primitive, axis: Vector) -> Result<Self, String> {
+    pub(super) fn new(surface: &Primitive, axis: Vector) -> Result<Self, String> {
         let z = match *surface {
             Primitive::Plane { normal, .. } => normal,
             _ => surface.axis().unwrap_or(axis),
@@ -56,12 +56,12 @@ impl Chart {
     }
 
     /// The same surface with u = 0 where it was `u`.
-    pub fn turned(&self, surface: &Primitive, u: f64) -> Self {
+    pub(super) fn turned(&self, surface: &Primitive, u: f64) -> Self {
         Chart::in_frame(surface, if u == 0.0 { self.frame } else { self.frame.turned(u) })
     }
 
     /// The parameters of the closest point, and whether u is undefined there. Angles are in [-π, π].
-    pub fn parameters(&self, p: Point) -> ([f64; 2], bool) {
+    pub(super) fn parameters(&self, p: Point) -> ([f64; 2], bool) {
         let [x, y, h] = self.frame.coordinates(array(p));
         let rho = x.hypot(y);
         let u = y.atan2(x);
@@ -78,21 +78,21 @@ impl Chart {
     }
 
     /// The distance in mm from the line on which one parameter is `seam` to the point of the surface that is nearest to `p`.
-    pub fn off_seam(&self, p: Point, k: usize, seam: f64) -> f64 {
+    pub(super) fn off_seam(&self, p: Point, k: usize, seam: f64) -> f64 {
         let foot = self.parameters(p).0;
         let mut uv = foot;
         uv[k] = seam;
         (self.point(uv) - self.point(foot)).norm()
     }
 
-    pub fn point(&self, [u, v]: [f64; 2]) -> Point {
+    pub(super) fn point(&self, [u, v]: [f64; 2]) -> Point {
         let [x, y, z] = self.surface.point(u, v);
         Point::new(x, y, z)
     }
 
     /// The parameters of points that follow each other, without jumps by a period. The first ones are those closest
     /// to `near`, if it is given.
-    pub fn unwrapped(&self, points: &[Point], near: Option<[f64; 2]>) -> Vec<[f64; 2]> {
+    pub(super) fn unwrapped(&self, points: &[Point], near: Option<[f64; 2]>) -> Vec<[f64; 2]> {
         let found: Vec<([f64; 2], bool)> = points.iter().map(|&p| self.parameters(p)).collect();
         let mut out: Vec<[f64; 2]> = found.iter().map(|(uv, _)| *uv).collect();
         for i in 0..out.len() {

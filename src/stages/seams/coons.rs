@@ -51,7 +51,7 @@ pub(super) struct PatchSide {
 
 impl PatchSide {
     /// The side that runs along curves, each forwards or backwards.
-    pub fn new(curves: &[(&BrepCurve, bool)]) -> Result<Self, String> {
+    pub(super) fn new(curves: &[(&BrepCurve, bool)]) -> Result<Self, String> {
         let cubics = curves.iter().map(|&(curve, forward)| cubic(curve, forward));
         let cubics = cubics.collect::<Result<Vec<_>, String>>()?;
         let long = |curve: &SplineCurve<3>| {
@@ -172,7 +172,7 @@ pub(super) struct InnerVertices {
 
 impl InnerVertices {
     /// Adds the corner that a triangle has at a vertex inside, with the other two vertices of the triangle: their mean value weights (Floater 2003).
-    pub fn add_corner(&mut self, v: VertexId, p: Point, others: [(VertexId, Point); 2]) {
+    pub(super) fn add_corner(&mut self, v: VertexId, p: Point, others: [(VertexId, Point); 2]) {
         let [a, b] = others.map(|(_, q)| q - p);
         let half = (0.5 * a.angle(&b)).tan();
         let weights = self.inner.entry(v).or_default();
@@ -182,7 +182,7 @@ impl InnerVertices {
     }
 
     /// The parameters of all vertices: each inside is a weighted mean of its neighbours.
-    pub fn places(&self) -> Option<BTreeMap<VertexId, Uv>> {
+    pub(super) fn places(&self) -> Option<BTreeMap<VertexId, Uv>> {
         let mut places = self.border.clone();
         let number: BTreeMap<VertexId, usize> =
             self.inner.keys().enumerate().map(|(k, &v)| (v, k)).collect();

@@ -66,11 +66,11 @@ impl Pair<'_> {
     }
 
     /// Whether the curve runs through the points of its chain.
-    pub fn is_led(&self) -> bool {
+    pub(super) fn is_led(&self) -> bool {
         matches!(self.kind, SeamKind::Follows | SeamKind::Loose)
     }
 
-    pub fn project(&self, p: Point) -> Point {
+    pub(super) fn project(&self, p: Point) -> Point {
         match self.kind {
             SeamKind::Loose => p,
             SeamKind::Follows => self.a.closest(p),
@@ -81,7 +81,7 @@ impl Pair<'_> {
     }
 
     /// The normal of the surface that a curve follows.
-    pub fn normal(&self, p: Point) -> Option<Vector> {
+    pub(super) fn normal(&self, p: Point) -> Option<Vector> {
         (self.kind == SeamKind::Follows).then(|| self.a.normal(p))
     }
 
@@ -93,7 +93,7 @@ impl Pair<'_> {
     }
 
     /// Replaces the points of a chain by more of them on both surfaces. The ends stay if they are vertices.
-    pub fn refine(&self, chain: &mut Chain) -> Result<(), String> {
+    pub(super) fn refine(&self, chain: &mut Chain) -> Result<(), String> {
         if self.is_flat() {
             let (Some(first), Some(last)) = (chain.points.first(), chain.points.last()) else {
                 return Err("an empty chain".into());
@@ -136,7 +136,7 @@ impl Pair<'_> {
     }
 
     /// The curve through the points of a chain, and how far it is from the surfaces.
-    pub fn curve(&self, chain: &Chain) -> Result<(BrepCurve, f64), String> {
+    pub(super) fn curve(&self, chain: &Chain) -> Result<(BrepCurve, f64), String> {
         let points = &chain.points;
         let (first, last) = (points[0], points[points.len() - 1]);
         if self.is_flat() {
@@ -170,7 +170,11 @@ impl Pair<'_> {
     }
 
     /// The same. A curve that is nearly an arc becomes a spline where the arc is too far from the surfaces.
-    pub fn curve_within(&self, chain: &Chain, limit: f64) -> Result<(BrepCurve, f64), String> {
+    pub(super) fn curve_within(
+        &self,
+        chain: &Chain,
+        limit: f64,
+    ) -> Result<(BrepCurve, f64), String> {
         let found = self.curve(chain)?;
         if found.1 < limit || self.is_flat() {
             return Ok(found);
@@ -180,18 +184,18 @@ impl Pair<'_> {
     }
 
     /// The largest distance of a curve from its surfaces.
-    pub fn worst(&self, curve: &BrepCurve) -> f64 {
+    pub(super) fn worst(&self, curve: &BrepCurve) -> f64 {
         samples(curve).map(|p| self.off(p)).fold(0.0, f64::max)
     }
 
     /// Where a curve is farthest from its surfaces.
-    pub fn worst_place(&self, curve: &BrepCurve) -> Point {
+    pub(super) fn worst_place(&self, curve: &BrepCurve) -> Point {
         let worst = samples(curve).max_by(|p, q| self.off(*p).total_cmp(&self.off(*q)));
         worst.unwrap_or_default()
     }
 
     /// The largest distance of a curve from those of its surfaces that are planes.
-    pub fn off_planes(&self, curve: &BrepCurve) -> f64 {
+    pub(super) fn off_planes(&self, curve: &BrepCurve) -> f64 {
         let is_plane = |of: &&Primitive| of.kind() == PrimitiveKind::Plane;
         let off =
             |of: &Primitive| samples(curve).map(|p| of.distance(p).0.abs()).fold(0.0, f64::max);

@@ -115,7 +115,7 @@ struct FaceSeams<'a> {
 
 impl FaceBuilder<'_> {
     /// Adds the face of a patch, or its faces if cuts divide it.
-    pub fn face(&mut self, i: usize, plan: &FacePlan) -> Result<(), SeamFault> {
+    pub(super) fn face(&mut self, i: usize, plan: &FacePlan) -> Result<(), SeamFault> {
         let is_made = if self.work.is_free(i) { self.free_face(i) } else { self.bent_face(i) };
         if is_made.map_err(|why| SeamFault::new(&[i], why))? {
             return Ok(());

@@ -21,11 +21,11 @@ pub(super) struct SeamFault {
 }
 
 impl SeamFault {
-    pub fn new(patches: &[usize], why: impl Into<String>) -> Self {
+    pub(super) fn new(patches: &[usize], why: impl Into<String>) -> Self {
         SeamFault::near(patches, &[], why)
     }
 
-    pub fn near(patches: &[usize], vertices: &[u32], why: impl Into<String>) -> Self {
+    pub(super) fn near(patches: &[usize], vertices: &[u32], why: impl Into<String>) -> Self {
         SeamFault { patches: patches.to_vec(), vertices: vertices.to_vec(), why: why.into() }
     }
 }

@@ -30,7 +30,7 @@ pub(super) struct Chain {
 
 impl Chain {
     /// Whether the first and the last point are the same.
-    pub fn is_closed(&self) -> bool {
+    pub(super) fn is_closed(&self) -> bool {
         self.ends.is_none_or(|[a, b]| a == b)
     }
 }
@@ -52,7 +52,7 @@ pub(super) struct ChainNetwork {
 
 impl ChainNetwork {
     /// The place of a mesh vertex at which chains end.
-    pub fn junction_place(&self, v: VertexId) -> Option<Point> {
+    pub(super) fn junction_place(&self, v: VertexId) -> Option<Point> {
         let number = self.junctions.binary_search(&v.0).ok()?;
         Some(self.vertices[number])
     }

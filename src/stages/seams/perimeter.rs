@@ -54,14 +54,14 @@ pub(super) struct Stretch {
 
 impl Stretch {
     /// The parameters of a place on it.
-    pub fn uv(&self, along: f64) -> [f64; 2] {
+    pub(super) fn uv(&self, along: f64) -> [f64; 2] {
         let mut uv = [self.at; 2];
         uv[1 - self.line] = along;
         uv
     }
 
     /// The parameters of its ends, in the direction of the loop.
-    pub fn ends(&self) -> [[f64; 2]; 2] {
+    pub(super) fn ends(&self) -> [[f64; 2]; 2] {
         let mut ends = self.range.map(|along| self.uv(along));
         if !self.forward {
             ends.reverse();
@@ -72,7 +72,7 @@ impl Stretch {
 
 impl Perimeter {
     /// The perimeter of a surface. On a torus v begins at `low`.
-    pub fn of(surface: &BrepSurface, low: f64) -> Self {
+    pub(super) fn of(surface: &BrepSurface, low: f64) -> Self {
         let infinite = [f64::NEG_INFINITY, f64::INFINITY];
         let v = match *surface {
             BrepSurface::Torus { .. } => [low, low + TAU],
@@ -95,7 +95,7 @@ impl Perimeter {
     }
 
     /// Whether a point of the surface is on the cut along v, on that along u, and at a pole. None if it is on neither.
-    pub fn lines_at(&self, chart: &Chart, p: Point, limit: f64) -> Option<[bool; 3]> {
+    pub(super) fn lines_at(&self, chart: &Chart, p: Point, limit: f64) -> Option<[bool; 3]> {
         if !self.is_cut {
             return None;
         }
@@ -106,7 +106,7 @@ impl Perimeter {
     }
 
     /// The place of parameters on some of the lines that [`Perimeter::lines_at`] names.
-    pub fn place(&self, [in_u, _, is_pole]: [bool; 3], uv: [f64; 2]) -> PerimeterPlace {
+    pub(super) fn place(&self, [in_u, _, is_pole]: [bool; 3], uv: [f64; 2]) -> PerimeterPlace {
         let [low, high] = self.cell;
         if is_pole {
             let is_high = self.poles[1] && uv[1] > 0.0;
@@ -128,7 +128,7 @@ impl Perimeter {
     }
 
     /// The parameters of a place, exactly on the cuts that it is on.
-    pub fn onto(&self, lines: [bool; 3], uv: [f64; 2]) -> [f64; 2] {
+    pub(super) fn onto(&self, lines: [bool; 3], uv: [f64; 2]) -> [f64; 2] {
         let [low, high] = self.cell;
         let nearest = |k: usize| {
             let is_high = uv[k] > 0.5 * (low[k] + high[k]);
@@ -138,7 +138,7 @@ impl Perimeter {
     }
 
     /// Parameters moved by whole periods into the domain.
-    pub fn in_cell(&self, uv: [f64; 2]) -> [f64; 2] {
+    pub(super) fn in_cell(&self, uv: [f64; 2]) -> [f64; 2] {
         let low = self.cell[0];
         let moved = |k: usize| uv[k] - TAU * ((uv[k] - low[k]) / TAU).floor();
         let u = if self.is_cut { moved(0) } else { uv[0] };
@@ -146,7 +146,7 @@ impl Perimeter {
     }
 
     /// Whether a polygon holds a place, whose parameters may be a period off.
-    pub fn holds(&self, polygon: &[Uv], place: Uv) -> bool {
+    pub(super) fn holds(&self, polygon: &[Uv], place: Uv) -> bool {
         let shifts = |is_periodic: bool| if is_periodic { &[0.0, -TAU, TAU][..] } else { &[0.0] };
         shifts(self.is_cut).iter().any(|u| {
             shifts(self.is_torus)
@@ -156,18 +156,23 @@ impl Perimeter {
     }
 
     /// Whether parameters are at a side that is a point.
-    pub fn is_pole(&self, uv: [f64; 2]) -> bool {
+    pub(super) fn is_pole(&self, uv: [f64; 2]) -> bool {
         (0..2).any(|k| self.poles[k] && self.is_same(uv[1], self.cell[k][1], 0))
     }
 
     /// Whether two parameters along a cut are one.
-    pub fn is_same(&self, a: f64, b: f64, line: usize) -> bool {
+    pub(super) fn is_same(&self, a: f64, b: f64, line: usize) -> bool {
         let size = if line == 0 && !self.is_torus { a.abs().max(b.abs()).max(1.0) } else { 1.0 };
         (a - b).abs() < SAME * size
     }
 
     /// Which of two places comes first counter-clockwise from another one. A place that is the same comes first.
-    pub fn order(&self, from: PerimeterPlace, a: PerimeterPlace, b: PerimeterPlace) -> Ordering {
+    pub(super) fn order(
+        &self,
+        from: PerimeterPlace,
+        a: PerimeterPlace,
+        b: PerimeterPlace,
+    ) -> Ordering {
         let rank = |p: PerimeterPlace| {
             let turn = if p.is_behind(&from) { 4 } else { 0 };
             ((p.side + 4 - from.side) % 4 + turn, p.along)
@@ -177,7 +182,7 @@ impl Perimeter {
     }
 
     /// The stretches of the perimeter from one place to another. Sides that are points have none.
-    pub fn between(
+    pub(super) fn between(
         &self,
         from: PerimeterPlace,
         to: PerimeterPlace,
@@ -200,7 +205,7 @@ impl Perimeter {
     }
 
     /// All of the perimeter, for a face without an outer loop.
-    pub fn whole(&self) -> Result<Vec<Stretch>, String> {
+    pub(super) fn whole(&self) -> Result<Vec<Stretch>, String> {
         let mut all = Vec::new();
         for side in [3, 0, 1, 2] {
             let [start, end] = self.ends(side);

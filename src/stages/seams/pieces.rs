@@ -46,7 +46,7 @@ impl CurvePiece {
     }
 
     /// Whether another piece begins where this one ends.
-    pub fn touches(&self, next: &CurvePiece) -> bool {
+    pub(super) fn touches(&self, next: &CurvePiece) -> bool {
         let off = |k: usize| next.ends[0][k] - self.ends[1][k];
         off(0).hypot(off(1)) <= FINE
     }

@@ -33,7 +33,7 @@ pub(super) fn rims(mesh: &Mesh, edges: &EdgeMap) -> Vec<Rim> {
 
 impl Rim {
     /// The places of its vertices.
-    pub fn points(&self, mesh: &Mesh) -> Vec<Point> {
+    pub(super) fn points(&self, mesh: &Mesh) -> Vec<Point> {
         self.vertices.iter().map(|&v| mesh.point(v)).collect()
     }
 
@@ -49,7 +49,12 @@ impl Rim {
 
     /// The plane of the rim, if it is flat, with its normal on the outer side of a surface that would close it. If one of
     /// some directions is normal to the rim within the errors, the plane has this direction.
-    pub fn plane(&self, mesh: &Mesh, errors: &[f64], directions: &[Vector]) -> Option<Primitive> {
+    pub(super) fn plane(
+        &self,
+        mesh: &Mesh,
+        errors: &[f64],
+        directions: &[Vector],
+    ) -> Option<Primitive> {
         let outwards = -boundary::area(mesh, &self.vertices);
         let normal = outwards.try_normalize(f64::MIN_POSITIVE)?;
         let points = self.points(mesh);

@@ -8,7 +8,7 @@ const SAME: f64 = 1e-7;
 
 impl ChainNetwork {
     /// The points of a chain in the direction of a use.
-    pub fn points_of(&self, (chain, forward): ChainUse) -> Vec<Point> {
+    pub(super) fn points_of(&self, (chain, forward): ChainUse) -> Vec<Point> {
         let mut points = self.chains[chain].points.clone();
         if !forward {
             points.reverse();
@@ -17,7 +17,7 @@ impl ChainNetwork {
     }
 
     /// The points of a loop. The last one is the first one.
-    pub fn ring_points(&self, ring: &[ChainUse]) -> Vec<Point> {
+    pub(super) fn ring_points(&self, ring: &[ChainUse]) -> Vec<Point> {
         let mut points: Vec<Point> = Vec::new();
         for &of in ring {
             points.pop();
@@ -30,7 +30,7 @@ impl ChainNetwork {
     }
 
     /// The loops into which a loop falls at the vertices that it visits more than once.
-    pub fn parts_of(&self, ring: &[ChainUse]) -> Vec<Vec<ChainUse>> {
+    pub(super) fn parts_of(&self, ring: &[ChainUse]) -> Vec<Vec<ChainUse>> {
         let ends = |(chain, forward): ChainUse| {
             let [a, b] = self.chains[chain].ends?;
             Some(if forward { [a, b] } else { [b, a] })
@@ -50,7 +50,7 @@ impl ChainNetwork {
     }
 
     /// Turns a chain round.
-    pub fn reverse(&mut self, chain: usize) {
+    pub(super) fn reverse(&mut self, chain: usize) {
         let of = &mut self.chains[chain];
         of.points.reverse();
         of.mesh_vertices.reverse();
@@ -68,7 +68,7 @@ impl ChainNetwork {
     }
 
     /// Makes a vertex at a point of a chain after the point with the given number.
-    pub fn cut(&mut self, chain: usize, after: usize, p: Point) {
+    pub(super) fn cut(&mut self, chain: usize, after: usize, p: Point) {
         let vertex = self.vertices.len();
         self.vertices.push(p);
         let of = &mut self.chains[chain];

@@ -57,7 +57,7 @@ struct RimRun<'a> {
 
 impl RimStretches {
     /// Divides the rims of a mesh. `of_triangle` has the patch of each triangle.
-    pub fn of(
+    pub(super) fn of(
         mesh: &Mesh,
         edges: &EdgeMap,
         errors: &[f64],

@@ -24,7 +24,7 @@ pub(crate) struct Examined {
 }
 
 impl Examined {
-    pub fn new(mesh: &Mesh) -> Self {
+    pub(super) fn new(mesh: &Mesh) -> Self {
         let rings = VertexRings::new(mesh);
         let noise = NoiseField::new(mesh, &rings);
         let left_out = noise.outliers(mesh, &rings);
@@ -32,7 +32,7 @@ impl Examined {
     }
 
     /// The surface with the supports that are found on the scan.
-    pub fn surface(&self, mesh: &Mesh, progress: &mut Progress) -> Result<MlsSurface> {
+    pub(super) fn surface(&self, mesh: &Mesh, progress: &mut Progress) -> Result<MlsSurface> {
         let levels = levels::levels(mesh, &self.rings, &self.noise, &self.left_out);
         let place =
             support::choose(mesh, &levels, &self.noise, &mut progress::step(progress, 0, 2))?;
@@ -56,7 +56,7 @@ impl Examined {
     /// The vertices at which a surface misses the shape, as along a sharp edge: it is farther from
     /// them and their neighbours than noise explains. `offsets` are its distances along the normal. A narrow support follows a part of the noise, so
     /// the usual distances of a level count where these are smaller. Outliers say nothing.
-    pub fn shape(&self, mesh: &Mesh, surface: &MlsSurface, offsets: &[f64]) -> Vec<bool> {
+    pub(super) fn shape(&self, mesh: &Mesh, surface: &MlsSurface, offsets: &[f64]) -> Vec<bool> {
         let count = offsets.len();
         let relative = |v: usize| {
             let noise = self.noise.at(VertexId::from(v));

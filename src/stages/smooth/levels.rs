@@ -115,7 +115,7 @@ impl SupportLevel {
     }
 
     /// Fits the polynomial around the position of cluster `c`.
-    pub fn fit(&self, c: usize, scratch: &mut Neighbourhood) -> Option<Polynomial> {
+    pub(super) fn fit(&self, c: usize, scratch: &mut Neighbourhood) -> Option<Polynomial> {
         Polynomial::fit(&self.plane(c, scratch)?, &scratch.around, self.h)
     }
 

@@ -39,7 +39,7 @@ struct Fits {
 impl MlsSurface {
     /// Fits the polynomials that the vertices need. `place` is the level of each vertex. All vertices
     /// move to the surface.
-    pub fn new(
+    pub(super) fn new(
         scan_normals: Arc<Vec<Vector>>,
         mut levels: Vec<SupportLevel>,
         place: Vec<f32>,
@@ -155,7 +155,7 @@ impl MlsSurface {
 
     /// Moves `p`, which is near vertex `v`, to the surface, unless the vertex stays where it is.
     /// `None` if too few points are near.
-    pub fn project(&self, v: VertexId, p: Point) -> Option<Projection> {
+    pub(super) fn project(&self, v: VertexId, p: Point) -> Option<Projection> {
         let foot = self.foot(v, p)?;
         Some(if self.keeps(v) { Projection { point: p, ..foot } } else { foot })
     }

@@ -32,7 +32,7 @@ pub(crate) struct LoopFit<'a> {
 
 impl<'a> LoopFit<'a> {
     /// Fits the loop of a rim. `None` if the rim is a single point.
-    pub fn new(surface: &'a Surface, rim: &'a Rim, options: &Options) -> Option<Self> {
+    pub(super) fn new(surface: &'a Surface, rim: &'a Rim, options: &Options) -> Option<Self> {
         LoopFit::around(surface, Cow::Borrowed(rim), options, false, Vec::new())
     }
 
@@ -61,7 +61,7 @@ impl<'a> LoopFit<'a> {
     }
 
     /// The rim's vertex that follows a parameter.
-    pub fn vertex(&self, t: f64) -> Point {
+    pub(super) fn vertex(&self, t: f64) -> Point {
         let n = self.rim.points.len();
         self.rim.points[(self.first + self.follower.before(t).min(n - 1)) % n]
     }

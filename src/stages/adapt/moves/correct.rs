@@ -36,7 +36,7 @@ pub(crate) fn correct(problem: &Problem, of: &Attempt, least_area: f64) -> State
 }
 
 /// Twice a triangle's area at some parameters.
-pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
+pub(crate) fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
     let [a, b, c] = triangle.map(|v| at(v.index()));
     orient2d(a, b, c)
 }

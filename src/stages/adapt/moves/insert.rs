@@ -10,7 +10,7 @@ use crate::stages::knots::{self, InsertionLimits, Miss};
 
 /// The state of an attempt, corrected, with knots in the middles of the spans that `misses` call
 /// for. `None` if there are none to insert.
-pub fn insert(
+pub(crate) fn insert(
     problem: &Problem,
     of: &Attempt,
     misses: &[Miss],

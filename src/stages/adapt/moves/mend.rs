@@ -46,7 +46,7 @@ pub(crate) fn maker<'m>(problem: &'m Problem, of: &'m Attempt) -> Maker<'m> {
 }
 
 /// Where on the map the samples inside triangles are.
-pub fn around(state: &State, left: &[MissedTriangle]) -> impl Iterator<Item = Uv> {
+pub(crate) fn around(state: &State, left: &[MissedTriangle]) -> impl Iterator<Item = Uv> {
     let inner = left.iter().flat_map(|left| state.inner.of(left.triangle));
     inner.map(|at| state.inner.all[at].uv(&state.uv))
 }

@@ -6,10 +6,10 @@
 //! those of the foot points, and outliers are rejected anew.
 
 pub(crate) mod correct;
-pub mod insert;
+pub(super) mod insert;
 pub(crate) mod mend;
 pub(crate) mod reject;
-pub mod remove;
+pub(super) mod remove;
 pub(crate) mod reweight;
 pub(crate) mod tangent;
 pub(crate) mod unfold;

@@ -8,7 +8,7 @@ use crate::stages::knots;
 
 /// The state of an attempt, corrected, without that `share` of the inner knot lines which does
 /// the least for the surface. `None` if there are none to remove.
-pub fn remove(problem: &Problem, of: &Attempt, share: f64) -> Option<State> {
+pub(crate) fn remove(problem: &Problem, of: &Attempt, share: f64) -> Option<State> {
     let (knots, count) = knots::remove(&of.surface, share);
     (count > 0).then(|| State { knots, ..correct(problem, of, FIRM_AREA) })
 }

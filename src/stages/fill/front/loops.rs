@@ -34,7 +34,7 @@ pub(crate) struct FrontLoops {
 
 impl FrontLoops {
     /// The loops of a front that has not advanced yet.
-    pub fn new(rims: &[Vec<(VertexId, Point)>]) -> Self {
+    pub(super) fn new(rims: &[Vec<(VertexId, Point)>]) -> Self {
         let (nodes, recent, grid) = (Vec::new(), Vec::new(), HashMap::new());
         let mut loops = FrontLoops { nodes, alive: 0, recent, grid, cell: 1.0 };
         for rim in rims {
@@ -73,7 +73,7 @@ impl FrontLoops {
     }
 
     /// The nodes that are alive.
-    pub fn all(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn all(&self) -> impl Iterator<Item = usize> + '_ {
         self.recent.iter().copied().filter(|&node| self.nodes[node].alive)
     }
 
@@ -81,7 +81,7 @@ impl FrontLoops {
         self.nodes[node].alive
     }
 
-    pub fn vertex(&self, node: usize) -> VertexId {
+    pub(super) fn vertex(&self, node: usize) -> VertexId {
         self.nodes[node].vertex
     }
 
@@ -132,7 +132,7 @@ impl FrontLoops {
     }
 
     /// Inserts a new vertex after `node` and returns its node.
-    pub fn insert(&mut self, node: usize, vertex: VertexId, at: Point) -> usize {
+    pub(super) fn insert(&mut self, node: usize, vertex: VertexId, at: Point) -> usize {
         let after = self.after(node);
         let new = self.push(vertex, at);
         self.link(node, new);

@@ -43,7 +43,7 @@ impl Grid {
     /// The cells that have a point, those for whose centre and width `also` is true, and the
     /// neighbours of both. Without the neighbours the energy would end where the points end,
     /// and would not hold the functions there.
-    pub fn new<const D: usize>(
+    pub(super) fn new<const D: usize>(
         points: &[(Uv, [f64; D])],
         also: impl Fn(Uv, f64) -> bool,
         cell: f64,

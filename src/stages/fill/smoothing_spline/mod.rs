@@ -49,7 +49,7 @@ impl<const D: usize> SmoothingSpline<D> {
     /// cells for whose centre and width `also` is true, and their neighbours. The energies
     /// shall smooth, not the grid: it is refined, down to cells of the width `narrowest`,
     /// until they do. `None` if there are too few points.
-    pub fn fit(
+    pub(super) fn fit(
         points: &[(Uv, [f64; D])],
         also: impl Fn(Uv, f64) -> bool,
         mut cell: f64,

@@ -27,7 +27,7 @@ pub(crate) struct Overlaps {
 }
 
 impl Overlaps {
-    pub fn new(grid: &Grid) -> Self {
+    pub(super) fn new(grid: &Grid) -> Self {
         let mut reached = vec![0u64; grid.count];
         let steps: [u64; ON_CELL] =
             std::array::from_fn(|q| (q..ON_CELL).fold(0, |bits, p| bits | 1 << step(p, q)));
@@ -78,7 +78,7 @@ impl Overlaps {
 
 /// For each function of a cell the runs of functions, one a column of the lattice, that are
 /// not before it.
-pub fn runs() -> impl Iterator<Item = (usize, Range<usize>)> {
+pub(super) fn runs() -> impl Iterator<Item = (usize, Range<usize>)> {
     let columns = |q: usize| (q / ON_INTERVAL..ON_INTERVAL).map(|c| c * ON_INTERVAL);
     (0..ON_CELL).flat_map(move |q| columns(q).map(move |c| (q, c.max(q)..c + ON_INTERVAL)))
 }

@@ -72,7 +72,7 @@ const LOWEST: i32 = -18;
 const HIGHEST: i32 = 12;
 
 impl<const D: usize> PenalizedSystem<D> {
-    pub fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
+    pub(super) fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
         // On each part of the grid the functions without energy are the linear ones.
         let free = 3 * grid.parts();
         let placed = points.iter().filter_map(|(uv, value)| Some((grid.cell_of(*uv)?, value)));

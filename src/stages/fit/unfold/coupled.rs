@@ -24,7 +24,7 @@ pub(crate) struct CoupledPoints {
 impl CoupledPoints {
     /// Analyses the pattern. `coupled` returns the points from a point on that it couples with, and
     /// the number of the block for each. `None` if there is not enough memory for the factor.
-    pub fn new<I: Iterator<Item = (usize, u32)>>(
+    pub(super) fn new<I: Iterator<Item = (usize, u32)>>(
         points: Vec<u32>,
         coupled: impl Fn(usize) -> I,
     ) -> Option<Self> {

@@ -79,13 +79,17 @@ pub(crate) struct JacobianSamples<'a> {
 }
 
 /// The number of Jacobian samples of a surface over the given knots.
-pub fn count(knots: [&KnotVector; 2]) -> usize {
+pub(crate) fn count(knots: [&KnotVector; 2]) -> usize {
     knots.map(|knots| ACROSS * (knots.breaks().len() - 1)).iter().product()
 }
 
 impl<'a> JacobianSamples<'a> {
     /// The Jacobian samples of a net over `cells`. `holds` has the normals of the samples.
-    pub fn new(cells: &'a KnotCells<'a>, holds: &'a [TangentDistance], net: &[Vector]) -> Self {
+    pub(super) fn new(
+        cells: &'a KnotCells<'a>,
+        holds: &'a [TangentDistance],
+        net: &[Vector],
+    ) -> Self {
         let axes = cells.knots.map(along);
         let mut samples = JacobianSamples {
             cells,

@@ -27,7 +27,7 @@ use crate::geometry::Uv;
 use crate::spline::{Samples, Surface};
 use jacobian::{JacobianSample, JacobianSamples};
 
-pub use jacobian::count as jacobian_samples;
+pub(crate) use jacobian::count as jacobian_samples;
 use work::Work;
 
 /// The largest number of rounds with one stiffness. In half of them samples that may not slide hold the

@@ -34,7 +34,7 @@ pub(crate) struct BlockSystem {
 impl BlockSystem {
     /// Equations without terms. A row of the net has `width` control points. `None` if there is not
     /// enough memory for the solution.
-    pub fn new(width: usize, is_free: &[bool]) -> Option<Self> {
+    pub(super) fn new(width: usize, is_free: &[bool]) -> Option<Self> {
         let free: Vec<usize> = (0..is_free.len()).filter(|&at| is_free[at]).collect();
         let mut place = vec![None; is_free.len()];
         free.iter().zip(0..).for_each(|(&at, n)| place[at] = Some(n));

@@ -56,7 +56,11 @@ pub(crate) struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// The state before the first round.
-    pub fn new(surface: &Surface, cells: &'a KnotCells<'a>, holds: &'a [TangentDistance]) -> Self {
+    pub(super) fn new(
+        surface: &Surface,
+        cells: &'a KnotCells<'a>,
+        holds: &'a [TangentDistance],
+    ) -> Self {
         let samples = cells.samples;
         let [across, down] = cells.counts();
         let lengths = net_lengths(surface);

@@ -63,7 +63,7 @@ impl EarCandidate {
 type EarOrder = Reverse<(OrderedFloat, [usize; 3])>;
 
 impl<'a> Ears<'a> {
-    pub fn new(mesh: Adjacency<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
+    pub(super) fn new(mesh: Adjacency<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
         let n = ring.len();
         let angle = |&v: &VertexId| -> f64 {
             let corner = |t: [VertexId; 3]| {
@@ -222,7 +222,7 @@ impl<'a> Ears<'a> {
     }
 
     /// The tip of the ear that was cut off between two positions.
-    pub fn over(&self, from: usize, to: usize) -> Option<usize> {
+    pub(super) fn over(&self, from: usize, to: usize) -> Option<usize> {
         let n = self.ring.len();
         let tip = *self.tips.get(&[from % n, to % n])?;
         Some(if tip < from { tip + n } else { tip })

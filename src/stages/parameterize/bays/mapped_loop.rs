@@ -16,7 +16,7 @@ pub(crate) struct MappedLoop {
 
 impl MappedLoop {
     /// The loop on a map, which must have a finite position for every vertex.
-    pub fn new(ring: &[VertexId], map: &[Uv]) -> Self {
+    pub(super) fn new(ring: &[VertexId], map: &[Uv]) -> Self {
         let uv: Vec<Uv> = ring.iter().map(|v| map[v.index()]).collect();
         let places: Vec<[f64; 2]> = uv.iter().map(|p| p.coords.into()).collect();
         #[expect(clippy::expect_used, reason = "kiddo refuses only what is not finite")]

@@ -64,7 +64,7 @@ enum PathStep {
 
 impl<'a> NetworkPaths<'a> {
     /// The paths over a network.
-    pub fn new(network: &'a Network) -> Self {
+    pub(super) fn new(network: &'a Network) -> Self {
         let (uses, places) = (network.uses(), NetworkPlaces::new(network));
         NetworkPaths { network, uses, places, end: network.end() }
     }
@@ -72,7 +72,7 @@ impl<'a> NetworkPaths<'a> {
     /// The runs of a rim. Parts that cross a track and come back over it without getting farther
     /// than `room` mm from it stay on their side. Returns a vertex for which the network has no place
     /// if there is one.
-    pub fn runs(&self, rim: &NetworkRim, room: f64) -> Result<Vec<RimRun>, Point> {
+    pub(super) fn runs(&self, rim: &NetworkRim, room: f64) -> Result<Vec<RimRun>, Point> {
         let place = |(&p, &normal)| {
             let place = self.places.nearest(p, normal).ok_or(p)?;
             Ok(PlacedVertex { place, p, normal })

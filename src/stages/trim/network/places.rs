@@ -23,7 +23,7 @@ pub(crate) struct NetworkPlaces<'a> {
 
 impl<'a> NetworkPlaces<'a> {
     /// Builds the structure.
-    pub fn new(network: &'a Network) -> Self {
+    pub(super) fn new(network: &'a Network) -> Self {
         let of_face = |(face, surface): (usize, &crate::spline::Surface)| {
             let sample = |at: Uv| {
                 let jet = surface.jet(at);
