@@ -11,13 +11,13 @@ use super::primitive::cylindrical;
 use crate::geometry::{Point, Vector, plane_axes};
 
 /// The most parameters of a surface, those of a torus.
-pub const MOST_PARAMETERS: usize = 7;
+pub(crate) const MOST_PARAMETERS: usize = 7;
 
 /// The derivatives of a distance by the motions of a surface. Those beyond its number of parameters are 0.
-pub type MotionRow = SVector<f64, MOST_PARAMETERS>;
+pub(crate) type MotionRow = SVector<f64, MOST_PARAMETERS>;
 
 /// A covariance of the motions of a surface.
-pub type Covariance = SMatrix<f64, MOST_PARAMETERS, MOST_PARAMETERS>;
+pub(crate) type Covariance = SMatrix<f64, MOST_PARAMETERS, MOST_PARAMETERS>;
 
 /// The motions of a surface, in this order:
 ///
@@ -43,7 +43,7 @@ pub struct Motions {
 impl Motions {
     /// The motions of a surface about a pivot amid the data. With `fixed_centre` a radius changes about
     /// a fixed centre, otherwise so that the surface next to the pivot stays in place.
-    pub fn new(surface: Primitive, pivot: Point, fixed_centre: bool) -> Self {
+    pub(crate) fn new(surface: Primitive, pivot: Point, fixed_centre: bool) -> Self {
         let surface = surface.centred_at(pivot);
         let axis = match surface {
             Primitive::Plane { normal, .. } => normal,
@@ -57,7 +57,7 @@ impl Motions {
     }
 
     /// The surface that is moved.
-    pub fn surface(&self) -> Primitive {
+    pub(crate) fn surface(&self) -> Primitive {
         self.surface
     }
 

@@ -155,6 +155,16 @@ impl Primitive {
         }
     }
 
+    /// The apex of a cone.
+    pub(crate) fn apex(&self) -> Option<Point> {
+        match *self {
+            Primitive::Cone { origin, axis, radius, angle } => {
+                Some(origin - radius / angle.tan() * axis)
+            }
+            _ => None,
+        }
+    }
+
     /// The signed distance of a point, and its gradient there, which is the unit normal at the closest
     /// point. The distance to a cone is that to its generators, prolonged beyond the apex.
     pub fn distance(&self, p: Point) -> (f64, Vector) {

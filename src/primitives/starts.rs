@@ -7,7 +7,7 @@ use crate::geometry::{Point, Uv, Vector, plane_axes};
 
 /// A piece of the data with a normal: a facet, or the surroundings of a vertex.
 #[derive(Debug, Clone, Copy)]
-pub struct OrientedPoint {
+pub(crate) struct OrientedPoint {
     /// Its middle.
     pub centre: Point,
     /// Its unit normal.
@@ -26,7 +26,7 @@ const WIDEST_TUBE: f64 = 5.0;
 
 /// Starts of one kind from points and faces of the data. `axes` are directions of axes that are known
 /// already. An empty list means that the kind does not come near.
-pub fn starts(
+pub(crate) fn starts(
     kind: PrimitiveKind,
     points: &[Point],
     faces: &[OrientedPoint],

@@ -1,6 +1,6 @@
-//! Properties of distances, parameters and fits, near degenerate shapes as well.
+//! Properties of distances and fits, near degenerate shapes as well.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use nalgebra::Rotation3;
 
@@ -91,7 +91,7 @@ fn heights(surface: &Primitive) -> [f64; 2] {
 }
 
 #[test]
-fn points_have_distance_zero_and_their_parameters() {
+fn points_of_a_surface_have_distance_zero() {
     let mut n = 1;
     for _ in 0..200 {
         for surface in ordinary(&mut n) {
@@ -102,11 +102,6 @@ fn points_have_distance_zero_and_their_parameters() {
                 let uv = Uv::new(between(&mut n, 0.1, 6.0), between(&mut n, v[0], v[1]));
                 let p = surface.point_at(uv);
                 assert!(surface.distance(p).0.abs() < 1e-10, "{surface:?}");
-                let back = surface.parameters_of(p);
-                assert!((surface.point_at(back) - p).norm() < 1e-9, "{surface:?} {uv} {back}");
-                if surface.kind() != PrimitiveKind::Plane {
-                    assert!((back - uv).norm() < 1e-8, "{surface:?} {uv} {back}");
-                }
             }
         }
     }
@@ -292,14 +287,4 @@ fn the_covariance_tells_how_far_fits_of_noisy_points_scatter() {
     }
     let ratio = (sum / predicted).sqrt();
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
-}
-
-#[test]
-fn periodic_ranges_leave_out_the_largest_gap() {
-    let cylinder = Primitive::Cylinder { origin: Point::origin(), axis: Vector::z(), radius: 5.0 };
-    let points = [-0.5, -0.2, 0.0, 0.4].map(|u| cylinder.point_at(Uv::new(u, u)));
-    let range = cylinder.range(points.into_iter());
-    assert!((range.u[1] - range.u[0] - 0.9).abs() < 1e-12, "{range:?}");
-    assert!(range.u[0] > PI);
-    assert!((range.v[0] + 0.5).abs() < 1e-12 && (range.v[1] - 0.4).abs() < 1e-12);
 }
