@@ -69,7 +69,7 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
 ///
 /// # Errors
 /// Those of [`from_soup`].
-pub fn from_soup_joined(soup: &Soup, mm: f64, width: SeamWidth) -> Result<Build> {
+pub(crate) fn from_soup_joined(soup: &Soup, mm: f64, width: SeamWidth) -> Result<Build> {
     rules::length(mm).map_err(of("unit"))?;
     if soup.polygons.iter().flatten().any(|&corner| corner as usize >= soup.points.len()) {
         return Err(Error::Input("a polygon has a corner that is not among the points"));

@@ -53,7 +53,7 @@ pub struct Island {
 
 impl Disk {
     /// The disk with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Disk { mesh: self.mesh.scaled(factor), ..self }
     }
 

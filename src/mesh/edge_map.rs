@@ -199,13 +199,13 @@ impl Buckets {
 
 /// The one-ring of every vertex: its triangles, and through them its neighbours.
 #[derive(Debug)]
-pub struct VertexRings {
+pub(crate) struct VertexRings {
     corners: Buckets,
 }
 
 impl VertexRings {
     /// Lists the triangles of every vertex in ascending order.
-    pub fn new(mesh: &Mesh) -> Self {
+    pub(crate) fn new(mesh: &Mesh) -> Self {
         let vertex = |corner: u32| mesh.triangles[corner as usize / 3][corner as usize % 3].0;
         let mut corners = Buckets::new(mesh.points.len(), 3 * mesh.triangles.len(), vertex);
         corners.members.iter_mut().for_each(|corner| *corner /= 3);

@@ -2,8 +2,8 @@
 //! comes out, split into its connected components ([`Components`]). One component becomes a disk
 //! with holes ([`Disk`]), which later stages fill ([`Patch`]) and flatten ([`Parameterized`]).
 //!
-//! What several stages need lives here as well: adjacency ([`EdgeMap`], [`VertexRings`]), boundary
-//! loops ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares (`mls`).
+//! What several stages need lives here as well: adjacency ([`EdgeMap`], `VertexRings`), boundary
+//! loops ([`boundary`]), neighbours in space (`Neighbours`) and moving least squares (`mls`).
 
 mod adjacency;
 mod beside;
@@ -46,23 +46,26 @@ mod weld;
 
 pub use crate::geometry::Bound;
 pub(crate) use adjacency::Adjacency;
+pub(crate) use build::from_soup_joined;
 pub(crate) use build::orient;
-pub use build::{Build, Repairs, from_soup, from_soup_joined};
+pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
 pub(crate) use edge_map::Buckets;
-pub use edge_map::{EdgeMap, VertexRings};
+pub use edge_map::EdgeMap;
+pub(crate) use edge_map::VertexRings;
 pub(crate) use facing::FacingPlaces;
-pub use handles::{Handle, handles};
+pub use handles::Handle;
+pub(crate) use handles::handles;
 pub(crate) use midpoints::EdgeMidpoints;
-pub use neighbours::Neighbours;
+pub(crate) use neighbours::Neighbours;
 pub(crate) use nesting::Nested;
 pub use parameterized::{Outline, Parameterized, Scaffold};
 pub use patch::{FaceOrigin, Patch};
 pub(crate) use polygons::cut_up;
 pub use quad_mesh::QuadMesh;
 pub use raw_points::RawPoints;
-pub use seam::SeamWidth;
+pub(crate) use seam::SeamWidth;
 pub use stand_ins::StandIns;
 pub use topology::Topology;
 pub(crate) use triangles::{Triangles, nearest_on};

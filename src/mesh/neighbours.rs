@@ -11,7 +11,7 @@ use crate::geometry::{Point, Vector};
 const TURN: [f64; 3] = [0.61, -0.37, 0.83];
 
 /// Finds the points of a fixed cloud within a radius of a place.
-pub struct Neighbours {
+pub(crate) struct Neighbours {
     tree: ImmutableKdTree<f64, 3>,
     turn: Rotation3<f64>,
 }
@@ -28,7 +28,7 @@ impl Neighbours {
     /// Scans repeat coordinates: a gridded range map, for example, has columns of equal x. Equal
     /// coordinates make the splits of the tree degenerate and its construction slow. The points are
     /// therefore rotated about an arbitrary axis first.
-    pub fn new(points: &[Point]) -> Self {
+    pub(crate) fn new(points: &[Point]) -> Self {
         let turn = Rotation3::new(Vector::from(TURN));
         let turned: Vec<[f64; 3]> = points.iter().map(|p| (turn * p).coords.into()).collect();
         #[expect(clippy::expect_used, reason = "kiddo refuses only what is not finite")]

@@ -29,7 +29,7 @@ pub struct Parameterized {
 
 impl Parameterized {
     /// The patch with all lengths multiplied by a factor. The parameters stay.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Parameterized { patch: self.patch.scaled(factor), ..self }
     }
 

@@ -46,7 +46,7 @@ pub struct Patch {
 
 impl Patch {
     /// The patch with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Patch { mesh: self.mesh.scaled(factor), ..self }
     }
 

@@ -39,7 +39,7 @@ impl QuadMesh {
     }
 
     /// The mesh with all lengths multiplied by a factor.
-    pub fn scaled(mut self, factor: f64) -> Self {
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.points.iter_mut().for_each(|p| *p *= factor);
         self
     }
@@ -73,7 +73,7 @@ impl QuadMesh {
     }
 
     /// The vertex at corner `k` of a block, counter-clockwise from (0, 0).
-    pub fn corner(&self, block: usize, k: usize) -> VertexId {
+    pub(crate) fn corner(&self, block: usize, k: usize) -> VertexId {
         let n = self.side;
         let (i, j) = [(0, 0), (n, 0), (n, n), (0, n)][k];
         self.vertex(block, i, j)

@@ -26,7 +26,7 @@ const MOST: f64 = 0.25;
 
 /// The distance up to which points of rims are joined.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum SeamWidth {
+pub(crate) enum SeamWidth {
     /// A thousandth of the shortest edge there, or a few steps of the file's numbers.
     #[default]
     Auto,

@@ -11,7 +11,7 @@ impl StandIns {
     /// `vertex_of` has the number of a measured vertex for each vertex of the scan. `counts` has the
     /// number of vertices of the scan for each measured vertex. A vertex of the scan may be divided
     /// among several.
-    pub fn new(vertex_of: Vec<u32>, counts: Vec<f64>) -> Self {
+    pub(crate) fn new(vertex_of: Vec<u32>, counts: Vec<f64>) -> Self {
         StandIns { vertex_of, counts }
     }
 

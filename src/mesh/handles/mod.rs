@@ -64,7 +64,7 @@ impl Handle {
     }
 
     /// The same with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Handle { at: self.at * factor, length: self.length * factor }
     }
 }
@@ -123,7 +123,7 @@ fn leave_out(build: &mut Build, rings: &[Vec<VertexId>]) -> bool {
 
 /// The handles of a mesh, shortest loops first. Where loops of several handles cross, only the shorter ones
 /// are listed.
-pub fn handles(mesh: &Mesh) -> Vec<Handle> {
+pub(crate) fn handles(mesh: &Mesh) -> Vec<Handle> {
     let rings = short_loops(mesh, &EdgeMap::new(mesh), f64::INFINITY, None);
     rings.iter().map(|ring| Handle::of(mesh, ring)).collect()
 }
