@@ -18,7 +18,7 @@ use crate::geometry::{ROUNDING, Uv, uv_bounds};
 const CLEARANCE: f64 = 1e-8;
 
 /// A fault of a loop, with the parameter at which it occurs if there is a single one.
-pub type LocatedFault = (LoopFault, Option<f64>);
+pub(crate) type LocatedFault = (LoopFault, Option<f64>);
 
 /// A loop that is proved to be closed, without cusps, and inside [0, 1]².
 #[derive(Debug, Clone)]
@@ -102,7 +102,7 @@ fn close(mut pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault>
 
 /// The required position of a loop among the other loops.
 #[derive(Debug, Clone, Default)]
-pub struct Nest {
+pub(crate) struct Nest {
     /// The loops that contain this one. No other loop may contain it.
     pub around: Vec<usize>,
     /// Whether the loop runs clockwise, around a hole, or counter-clockwise, around a face.
@@ -110,7 +110,7 @@ pub struct Nest {
 }
 
 /// The loops with the wrong direction or in the wrong position. No two loops may cross.
-pub fn misplaced(outlines: &[&CertifiedLoop], nests: &[Nest]) -> Vec<(usize, LocatedFault)> {
+pub(crate) fn misplaced(outlines: &[&CertifiedLoop], nests: &[Nest]) -> Vec<(usize, LocatedFault)> {
     let mut found = Vec::new();
     for (i, (outline, nest)) in outlines.iter().zip(nests).enumerate() {
         let area = outline.area();

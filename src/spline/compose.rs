@@ -17,7 +17,7 @@ const SURE_HALVINGS: usize = 10;
 /// two derivatives at both ends, converges with the sixth power of the length of the piece. Pieces
 /// are halved until samples agree within `eps` / 4. Some importers check only a few points; with a
 /// coarser bound a curve could pass their check and still exceed `eps` elsewhere.
-pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
+pub(crate) fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
     let breaks = pieces_on_surface(surface, c);
     let mut knots = vec![breaks[0]];
     let mut pieces = Vec::new();
@@ -31,7 +31,7 @@ pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
 /// The largest distance in mm between an edge and the trace of its pcurve at the same parameter. It
 /// is measured at 17 places on each knot span of the edge. The result is NaN if the distance is NaN
 /// at one of them.
-pub fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64 {
+pub(crate) fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64 {
     let mut worst: f64 = 0.0;
     for span in edge.knots.breaks().windows(2) {
         for k in 0..=SAMPLES {

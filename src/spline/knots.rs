@@ -15,7 +15,7 @@ pub struct KnotVector {
 /// The basis functions that do not vanish on one knot span, with their first two derivatives.
 /// Function `j` belongs to control point `first + j`.
 #[derive(Debug, Clone, Copy)]
-pub struct Basis {
+pub(crate) struct Basis {
     /// The control point of the first basis function.
     pub first: usize,
     /// `derivative[k][j]` is the k-th derivative of function j.
@@ -201,7 +201,7 @@ pub(crate) const MOST_SPANS: usize = 12;
 
 /// Divides the spans between `breaks` into runs of about equal numbers of spans, and returns the
 /// ends of the runs. A run has at most `most` spans, and there are at least `least` runs.
-pub fn runs(breaks: &[f64], most: usize, least: usize) -> Vec<f64> {
+pub(crate) fn runs(breaks: &[f64], most: usize, least: usize) -> Vec<f64> {
     let spans = breaks.len() - 1;
     let count = spans.div_ceil(most).max(least);
     (0..=count).map(|i| breaks[i * spans / count]).collect()

@@ -22,17 +22,21 @@ pub mod subdivision;
 mod surface;
 
 pub use crate::error::LoopFault;
-pub use certified_loop::{CertifiedLoop, LocatedFault, Nest, crossings, misplaced};
-pub use compose::{curve_on_surface, off_surface, pieces_on_surface};
+pub use certified_loop::{CertifiedLoop, crossings};
+pub(crate) use certified_loop::{LocatedFault, Nest, misplaced};
+pub use compose::pieces_on_surface;
+pub(crate) use compose::{curve_on_surface, off_surface};
 pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
+pub use knots::KnotVector;
 pub(crate) use knots::MOST_SPANS;
-pub use knots::{Basis, KnotVector, runs};
-pub use network::{Network, SeamPlace, Side, SideUse, Track};
-pub use network_cut::{
-    CutArc, CutPart, KeptFace, KeptPlaces, NetworkCut, PieceEnd, TrackNode, chord_points, side_line,
-};
+pub(crate) use knots::{Basis, runs};
+pub(crate) use network::SideUse;
+pub use network::{Network, SeamPlace, Side, Track};
+pub use network_cut::{CutArc, CutPart, KeptFace, KeptPlaces, NetworkCut, TrackNode};
+pub(crate) use network_cut::{PieceEnd, chord_points, side_line};
+
 pub(crate) use polynomials::fast_evaluator;
 pub(crate) use refine::{inserted, refined};
 pub use samples::Samples;

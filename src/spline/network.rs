@@ -42,7 +42,7 @@ pub struct Side {
 impl Network {
     /// The network with all lengths multiplied by a factor.
     #[must_use]
-    pub fn scaled(mut self, factor: f64) -> Self {
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.surfaces = self.surfaces.into_iter().map(|s| s.scaled(factor)).collect();
         self.corners.iter_mut().for_each(|p| *p *= factor);
         for track in &mut self.tracks {
@@ -92,7 +92,7 @@ impl Network {
     }
 
     /// The corner at which side `k` of a surface starts.
-    pub fn corner(&self, face: usize, k: usize) -> usize {
+    pub(crate) fn corner(&self, face: usize, k: usize) -> usize {
         let side = self.sides[face][k];
         self.tracks[side.track].ends[usize::from(!side.forward)]
     }
@@ -117,7 +117,7 @@ pub struct SeamPlace {
 
 /// A surface beside a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SideUse {
+pub(crate) struct SideUse {
     /// The surface.
     pub face: usize,
     /// The number of its side.
@@ -135,7 +135,7 @@ impl SideUse {
     }
 
     /// The inverse of `place`: the parameter of the track, and the depth.
-    pub fn from_place(&self, end: f64, at: Uv) -> (f64, f64) {
+    pub(crate) fn along_and_depth(&self, end: f64, at: Uv) -> (f64, f64) {
         let [along, depth] = Quarter(self.k).turned_back(end, at.into());
         (if self.forward { along } else { end - along }, depth)
     }

@@ -57,7 +57,7 @@ pub enum CutPart {
 
 /// An end of a piece of a track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PieceEnd {
+pub(crate) enum PieceEnd {
     /// A corner of the network.
     Corner(usize),
     /// A node of the cut.
@@ -104,7 +104,7 @@ impl NetworkCut {
     }
 
     /// The loops of a face in the parameter plane of its surface.
-    pub fn boundary(&self, network: &Network, face: &KeptFace) -> Vec<Vec<Curve<2>>> {
+    pub(crate) fn boundary(&self, network: &Network, face: &KeptFace) -> Vec<Vec<Curve<2>>> {
         let ends = self.piece_ends(network);
         let curves = |part: &CutPart| match *part {
             CutPart::Arc(arc) => self.arcs[arc].pcurves.clone(),
@@ -133,7 +133,7 @@ const CHORDS: usize = 8;
 
 impl KeptPlaces {
     /// Whether a place is on a kept face. Places nearer to a loop than its chords may be on the other side.
-    pub fn contains(&self, surface: usize, at: Uv) -> bool {
+    pub(crate) fn contains(&self, surface: usize, at: Uv) -> bool {
         match &self.polygons[surface] {
             None => true,
             Some(polygons) => polygons.iter().filter(|p| is_inside(at, p)).count() % 2 == 1,
@@ -142,7 +142,7 @@ impl KeptPlaces {
 }
 
 /// Points along curves that follow each other.
-pub fn chord_points(curves: &[Curve<2>]) -> Vec<Uv> {
+pub(crate) fn chord_points(curves: &[Curve<2>]) -> Vec<Uv> {
     let points = |curve: &Curve<2>| {
         let breaks = curve.knots.breaks();
         let spans = breaks.windows(2).flat_map(|span| {
@@ -163,7 +163,7 @@ impl KeptFace {
 
 /// The straight pcurve along a piece of a side, in the direction of its track and with its
 /// parameter.
-pub fn side_line(end: f64, side: SideUse, [from, to]: [f64; 2]) -> Curve<2> {
+pub(crate) fn side_line(end: f64, side: SideUse, [from, to]: [f64; 2]) -> Curve<2> {
     let at = |t: f64| {
         let place = side.place(end, t, 0.0);
         Vector2::new(place.x, place.y)

@@ -6,7 +6,7 @@ use super::{KnotVector, Surface};
 
 impl Surface {
     /// The same surface over finer knot vectors, which must contain the present knots.
-    pub fn over(&self, [u, v]: [KnotVector; 2]) -> Self {
+    pub(crate) fn over(&self, [u, v]: [KnotVector; 2]) -> Self {
         let net = refined(&self.net, [&self.u, &self.v], [&u, &v]);
         Surface::new(u, v, net)
     }

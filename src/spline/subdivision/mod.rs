@@ -76,7 +76,7 @@ impl SubdivisionSurface {
     }
 
     /// The numbers of the control points that a quad depends on.
-    pub fn control(&self, quad: usize) -> &[u32] {
+    pub(crate) fn control(&self, quad: usize) -> &[u32] {
         &self.control[self.starts[quad]..self.starts[quad + 1]]
     }
 

@@ -135,8 +135,8 @@ impl<'a> NetworkPaths<'a> {
         let crossing = |&track: &usize| {
             let of = |face: usize| self.uses[track].iter().find(|side| side.face == face).copied();
             let sides = [of(a.place.face)?, of(b.place.face)?];
-            let (t, depth) = sides[0].from_place(self.end, a.place.at);
-            let (u, beyond) = sides[1].from_place(self.end, b.place.at);
+            let (t, depth) = sides[0].along_and_depth(self.end, a.place.at);
+            let (u, beyond) = sides[1].along_and_depth(self.end, b.place.at);
             let whole = depth + beyond;
             let share = if whole > 0.0 { depth / whole } else { 0.5 };
             let length = (u - t).hypot(whole);
@@ -214,7 +214,7 @@ impl<'a> NetworkPaths<'a> {
                 return false;
             };
             let near = |(at, p): &(Uv, Point)| {
-                let (t, _) = leaves.sides[0].from_place(self.end, *at);
+                let (t, _) = leaves.sides[0].along_and_depth(self.end, *at);
                 let on_track = self.network.tracks[leaves.track].curve.point(t);
                 (on_track - p.coords).norm() <= room
             };
@@ -226,7 +226,7 @@ impl<'a> NetworkPaths<'a> {
         let Some(Crossing { sides: [there, here], track, .. }) = away.leaves else { return false };
         let inset = self.least_share(track, room) * self.end;
         let pulled = away.points.iter().map(|&(at, p)| {
-            let (t, _) = there.from_place(self.end, at);
+            let (t, _) = there.along_and_depth(self.end, at);
             (here.place(self.end, t, inset), p)
         });
         let pulled: Vec<(Uv, Point)> = pulled.collect();
