@@ -28,7 +28,7 @@ pub struct Adapted {
 
 impl Adapted {
     /// The same with all lengths times a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Adapted {
             kappa: self.kappa.map(|kappa| factor * kappa),
             mean_error: factor * self.mean_error,

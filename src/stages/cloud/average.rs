@@ -71,7 +71,7 @@ struct Sampled {
 /// How dense points are, in their unit of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct Density {
+pub(crate) struct Density {
     /// The distance of neighbouring points.
     pub spacing: f64,
     /// The distance of places at which means of the points tell as much as all points do.
@@ -80,7 +80,7 @@ pub struct Density {
 
 /// How dense the vertices of a mesh are. `None` if they lie in two layers, or if they are not much denser than their
 /// noise lets tell. The latter does not count if `any` density will do.
-pub fn density(points: &[Point], any: bool) -> Option<Density> {
+pub(crate) fn density(points: &[Point], any: bool) -> Option<Density> {
     let count = points.len() as f64;
     if !any && count < LEAST_VERTICES * LEAST_CELLS {
         return None;

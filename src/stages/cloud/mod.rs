@@ -30,7 +30,7 @@ mod votes;
 
 use formats::{Points, Soup};
 
-pub use average::{Density, density};
+pub(crate) use average::{Density, density};
 pub use grid::{GridDoubt, GridUse, Outside};
 pub use options::Options;
 

@@ -113,7 +113,7 @@ pub struct Report {
 
 impl Report {
     /// The report with all lengths multiplied by `factor`.
-    pub fn scaled(mut self, factor: f64) -> Self {
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.holes.iter_mut().for_each(|hole| hole.rim_length *= factor);
         self
     }

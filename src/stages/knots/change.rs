@@ -13,7 +13,7 @@ use crate::spline::{KnotVector, Surface};
 
 /// A place at which the surface misses a point, and the distance. The distance is the weight of the
 /// place.
-pub type Miss = (Uv, f64);
+pub(crate) type Miss = (Uv, f64);
 
 /// A span is halved in both directions unless the gain in one is smaller than this share of the
 /// gain in the other.
@@ -25,7 +25,7 @@ const MIN_SCORE_SHARE: f64 = 0.05;
 
 /// The limits on the knots that are inserted.
 #[derive(Debug, Clone, Copy)]
-pub struct InsertionLimits {
+pub(crate) struct InsertionLimits {
     /// Spans shorter than 2^−`depth` of the domain are not made.
     pub depth: u32,
     /// The largest number of control points of the net.
@@ -37,7 +37,7 @@ pub struct InsertionLimits {
 /// The knot vectors with a knot in the middle of the spans with large misses, the largest first.
 /// They are unchanged if no span can be halved. Only the part of a span inside `reach` is
 /// considered; `reach` holds the lowest and the highest parameters of all points.
-pub fn insert(
+pub(crate) fn insert(
     surface: &Surface,
     misses: &[Miss],
     reach: [Uv; 2],
@@ -104,7 +104,7 @@ pub fn insert(
 /// The knot vectors without the given share of the inner knot lines, and the number of removed
 /// lines. Lines with the smallest effect on the surface are removed first, but no two neighbouring
 /// lines.
-pub fn remove(surface: &Surface, share: f64) -> ([KnotVector; 2], usize) {
+pub(crate) fn remove(surface: &Surface, share: f64) -> ([KnotVector; 2], usize) {
     let jumps = Jumps::new(surface);
     let mut lines: Vec<(f64, usize, usize)> = Vec::new();
     for (axis, breaks) in jumps.breaks.iter().enumerate() {

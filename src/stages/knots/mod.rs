@@ -3,8 +3,8 @@
 //!
 //! A region of the domain is halved in u and v until a bicubic polynomial fits its points with a
 //! mean error of at most κ, or until a depth is reached. The sides of all regions, extended across
-//! the domain, are the knots. After a fit, [`insert`] adds knots where more are needed and
-//! [`remove`] removes those with little effect.
+//! the domain, are the knots. After a fit, `insert` adds knots where more are needed and
+//! `remove` removes those with little effect.
 
 mod change;
 mod jumps;
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::geometry::{BLOCK, Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
 
-pub use change::{InsertionLimits, Miss, insert, remove};
+pub(crate) use change::{InsertionLimits, Miss, insert, remove};
 
 /// The options of knot placement.
 #[derive(Debug, Clone, Copy)]

@@ -60,7 +60,7 @@ pub struct Report {
 
 impl Report {
     /// The report with all lengths multiplied by a factor.
-    pub fn scaled(mut self, factor: f64) -> Self {
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.bad.iter_mut().for_each(|p| *p *= factor);
         self
     }

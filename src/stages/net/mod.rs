@@ -340,7 +340,7 @@ impl<'a> NetFit<'a> {
 
 impl Report {
     /// The report with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Report { rms: factor * self.rms, ..self }
     }
 

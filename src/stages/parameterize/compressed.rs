@@ -21,7 +21,7 @@ pub struct CompressedRegion {
 
 impl CompressedRegion {
     /// The same region with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         CompressedRegion { at: self.at * factor, ..self }
     }
 }

@@ -41,7 +41,7 @@ pub struct FileRounding {
 
 /// How exactly the numbers of a file state the vertices of a mesh.
 #[derive(Debug, Clone)]
-pub struct VertexErrors {
+pub(crate) struct VertexErrors {
     /// The bound of the error of each vertex, in the mesh's unit.
     pub bounds: Vec<f64>,
     /// Whether every number is one of 32 bits, or was one.

@@ -62,7 +62,7 @@ impl FreeForm {
     }
 
     /// Within how many mm it passes the vertices of a clean mesh.
-    pub fn passes(&self) -> f64 {
+    pub(crate) fn passes(&self) -> f64 {
         self.passes
     }
 }

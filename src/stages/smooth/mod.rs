@@ -121,7 +121,7 @@ impl Options {
 
 impl Report {
     /// The report with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Report {
             h: factor * self.h,
             supports: self.supports.iter().map(|h| factor * h).collect(),

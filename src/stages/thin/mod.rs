@@ -48,7 +48,7 @@ impl Default for Options {
 
 impl Options {
     /// Whether a scan with so many vertices may be thinned.
-    pub fn may_thin(&self, vertices: usize) -> bool {
+    pub(crate) fn may_thin(&self, vertices: usize) -> bool {
         self.fewest as f64 <= MOST_LEFT * vertices as f64
     }
 }
@@ -67,12 +67,12 @@ pub struct Report {
 
 impl Report {
     /// The report where nothing was removed.
-    pub fn none(vertices: usize) -> Self {
+    pub(crate) fn none(vertices: usize) -> Self {
         Report { vertices, removed: 0, averaged: None }
     }
 
     /// The report with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Report { averaged: self.averaged.map(|distance| factor * distance), ..self }
     }
 }

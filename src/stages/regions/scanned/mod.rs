@@ -73,7 +73,7 @@ impl ScanNoise {
     }
 
     /// The variance of a mean of many neighbouring vertices, as a multiple of that of independent ones.
-    pub fn common(&self) -> f64 {
+    pub(crate) fn common(&self) -> f64 {
         let [one, two] = self.correlation;
         1.0 + 6.0 * one + 12.0 * two
     }
