@@ -42,7 +42,7 @@ pub struct FaceToScan {
 
 impl FaceToScan {
     /// The same distances with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         FaceToScan {
             rms: factor * self.rms,
             p95: factor * self.p95,

@@ -18,7 +18,8 @@ pub(crate) use face_to_scan::{
 };
 pub(crate) use face_tree::{FacePlace, FaceTree};
 pub(crate) use network::NetworkFaces;
-pub use network::{FaceMiss, NetworkToScan, network_to_scan, of_network};
+pub use network::of_network;
+pub(crate) use network::{NetworkToScan, network_to_scan};
 pub use tessellation::{crossing_faces, tessellation};
 
 use crate::geometry::Point;
@@ -85,7 +86,7 @@ impl Deviation {
     }
 
     /// The deviation with all lengths multiplied by a factor.
-    pub fn scaled(self, factor: f64) -> Self {
+    pub(crate) fn scaled(self, factor: f64) -> Self {
         Deviation {
             rms: factor * self.rms,
             p95: factor * self.p95,

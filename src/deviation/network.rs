@@ -51,7 +51,7 @@ impl<'a> NetworkFaces<'a> {
 /// How far samples of a network are from the triangles of a mesh, and how they face.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
-pub struct NetworkToScan {
+pub(crate) struct NetworkToScan {
     /// The distances of the samples whose nearest triangle was measured.
     pub deviation: Deviation,
     /// The chord error of the triangle at the largest of them.
@@ -71,7 +71,7 @@ pub struct NetworkToScan {
 
 /// A place of a network that is farther from the scan than the tolerance and the chord error.
 #[derive(Debug, Clone, Copy)]
-pub struct FaceMiss {
+pub(crate) struct FaceMiss {
     /// The face.
     pub face: usize,
     /// The place on it.
@@ -82,7 +82,7 @@ pub struct FaceMiss {
 
 impl NetworkToScan {
     /// The figures of all samples together.
-    pub fn report(&self) -> FaceToScan {
+    pub(crate) fn report(&self) -> FaceToScan {
         let Deviation { rms, p95, max, max_at, ref distances, .. } = self.deviation;
         let (chord_error, beyond, places) = (self.chord_error, self.beyond, distances.len());
         FaceToScan { rms, p95, max, max_at, chord_error, beyond, places }
@@ -91,7 +91,7 @@ impl NetworkToScan {
 
 /// Compares samples of the kept places of a network with a mesh. `quads` is the mesh from whose blocks the
 /// faces were made. `is_measured` says which triangles were measured; samples near others count only for how they face.
-pub fn network_to_scan(
+pub(crate) fn network_to_scan(
     network: &Network,
     kept: &KeptPlaces,
     quads: &QuadMesh,
