@@ -29,7 +29,7 @@ impl Cut {
     }
 
     /// Whether a hole is cut out whose rim is so long, in mm.
-    pub fn cuts(self, rim_length: f64) -> bool {
+    pub(crate) fn cuts(self, rim_length: f64) -> bool {
         match self {
             Cut::All => true,
             Cut::FromLength(least) => rim_length >= least,

@@ -17,7 +17,7 @@ impl Goal {
     /// What a scan lets one ask for whose noise has that standard deviation. Where noise is visible, the
     /// tolerance is no less than a ten-thousandth of the scan's diagonal. Otherwise flat triangles stand for
     /// the surface: their chord errors take the place of noise, up to a thousandth of the diagonal.
-    pub fn of_scan(measured: &Mesh, noise: f64, is_visible: bool) -> Self {
+    pub(crate) fn of_scan(measured: &Mesh, noise: f64, is_visible: bool) -> Self {
         let [least, most] = [LEAST_TOLERANCE, MOST_TOLERANCE]
             .map(|share| share * measured.diagonal() / SIGNIFICANT);
         let noise = match is_visible {

@@ -45,7 +45,7 @@ impl Type {
     }
 
     /// As much of a text as `width` pixels hold; what is cut off is the middle.
-    pub fn fit(&self, text: &str, style: Style, width: f32) -> String {
+    pub(crate) fn fit(&self, text: &str, style: Style, width: f32) -> String {
         let letters: Vec<char> = text.chars().collect();
         let cut = |keep: usize| -> String {
             if keep >= letters.len() {
