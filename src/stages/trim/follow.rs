@@ -58,7 +58,7 @@ pub(crate) struct Follower<'a> {
 }
 
 /// A place that a curve is to follow: the foot point of a vertex, and the distance of the vertex from it, in mm.
-pub(crate) type Foot = (Uv, f64);
+type PlacedFoot = (Uv, f64);
 
 impl<'a> Follower<'a> {
     /// The curve around foot points, with corners where they have some, and at the positions `sharp`. It begins
@@ -66,7 +66,7 @@ impl<'a> Follower<'a> {
     /// if the foot points are one place.
     pub(super) fn around(
         surface: &'a Surface,
-        feet: &[Foot],
+        feet: &[PlacedFoot],
         options: &Options,
         sharp: &[usize],
         range: [f64; 2],
@@ -89,7 +89,7 @@ impl<'a> Follower<'a> {
     pub(super) fn between(
         surface: &'a Surface,
         ends: [Uv; 2],
-        feet: &[Foot],
+        feet: &[PlacedFoot],
         options: &Options,
         range: [f64; 2],
     ) -> Option<Self> {
