@@ -54,7 +54,7 @@ fn best_mended(run: &mut FitRun, start: &Attempt, mut misses: Misses) -> Option<
     let problem = run.problem;
     let (mut best, mut least, mut now) = (None, misses.count, start.clone());
     for round in 0..MOST_ROUNDS {
-        let mut idle = 0;
+        let (mut idle, before) = (0, least);
         while least > 0 && idle < PATIENCE && !run.work.exceeds(problem, MOST) {
             let Some(next) = mend(problem, &now, &misses.left) else { break };
             run.work.add(problem, &next, MEND);
@@ -63,7 +63,9 @@ fn best_mended(run: &mut FitRun, start: &Attempt, mut misses: Misses) -> Option<
                 (best, least, idle) = (Some(now.clone()), misses.count, 0);
             }
         }
-        if least == 0 || run.work.exceeds(problem, MOST) {
+        // More knots that do not help once do not help twice.
+        let has_gained = round == 0 || least < before;
+        if least == 0 || !has_gained || run.work.exceeds(problem, MOST) {
             break;
         }
         match with_knots(problem, &now, &misses.left) {
