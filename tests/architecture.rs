@@ -1,5 +1,5 @@
 //! Comparison of the drawing of dependencies in `docs/architecture.md` with the imports of the
-//! rooms.
+//! rooms, and of the files of tests with the modules of their programs.
 
 mod common;
 
@@ -153,5 +153,21 @@ fn no_arrow_runs_back_up() {
     }
     for room in imported.keys() {
         assert!(!reached(&imported, room).contains(room), "{room} uses itself by way of others");
+    }
+}
+
+/// Cargo finds programs of tests, but not their modules.
+#[test]
+fn each_file_of_tests_is_a_module() {
+    for program in ["library", "program"] {
+        let folder = root().join("tests").join(program);
+        let main = fs::read_to_string(folder.join("main.rs")).expect("a source file");
+        let written: BTreeSet<_> =
+            main.lines().filter_map(|line| line.strip_prefix("mod ")).collect();
+        for file in files(&folder) {
+            let name = file.file_stem().expect("a name").to_string_lossy();
+            let is_module = name == "main" || written.contains(&*format!("{name};"));
+            assert!(is_module, "{} is in no program", file.display());
+        }
     }
 }

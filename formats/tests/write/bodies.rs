@@ -6,7 +6,7 @@ use formats::Brep;
 use formats::brep::{BrepCurve, BrepSurface, Face, Shell, ShellId, Solid, VertexId};
 use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 
-use crate::model::{against, along, bezier, bezier_curve};
+use super::model::{against, along, bezier, bezier_curve};
 
 pub fn empty(name: &str) -> Brep {
     Brep { name: name.into(), uncertainty_mm: 1e-7, ..Brep::default() }

@@ -9,7 +9,7 @@ use formats::brep::{
 };
 use formats::spline::SplineCurve;
 
-use crate::bodies::empty;
+use super::bodies::empty;
 
 /// A solid of one shell that is being built.
 pub struct ExactPart {
