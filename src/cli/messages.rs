@@ -364,9 +364,11 @@ fn made_body(body: &Body) -> (String, String) {
     (format!("a {} of {faces}{volume}", body.shape.word()), gaps)
 }
 
-/// Says so if the body misses a tolerance that the user named.
+/// Says so if the body misses a tolerance that the user named. A loop that is not there keeps no distance from its rim.
 pub(crate) fn verdict(args: &Convert, c: &Body) -> Outcome {
-    if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
+    let how = &args.how;
+    let misses = how.tolerance.is_some() && !c.tolerance_met(how.outliers / 100.0);
+    if !misses && (how.rim_tolerance.is_none() || c.left_filled().is_empty()) {
         return Outcome::Done;
     }
     let of = of_piece(args, &c.input);

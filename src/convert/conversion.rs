@@ -426,14 +426,20 @@ impl Body {
 
     /// Whether the faces keep their tolerance. Where it is named, all but the share `outliers`
     /// of the smoothed points must be within it, and as many of the places that were compared with the
-    /// scan's triangles, which the faces may leave by their chord error besides. Where nobody named one, all
-    /// but as many points as normal noise has beyond three standard deviations.
+    /// scan's triangles, which the faces may leave by their chord error besides, and every gap must be cut out. Where
+    /// nobody named one, all but as many points as normal noise has beyond three standard deviations.
     pub fn tolerance_met(&self, outliers: f64) -> bool {
         let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
         let keeps = |beyond: usize, all: usize| beyond as f64 <= outliers * all as f64;
         let back = &self.face_to_scan;
         keeps(self.missed.points, self.fit_deviation.distances.len())
-            && (!self.tolerance_named || keeps(back.beyond, back.places))
+            && (!self.tolerance_named
+                || keeps(back.beyond, back.places) && self.left_filled().is_empty())
+    }
+
+    /// The gaps of a shell that could not be cut out.
+    pub fn left_filled(&self) -> &[LeftFilled] {
+        self.network().map(|fit| fit.left_filled.as_slice()).unwrap_or_default()
     }
 
     /// The number of smoothed points that keep the tolerance although they are farther from the face: a
@@ -482,6 +488,9 @@ impl Body {
                     self.farther(back.beyond, &of, from) + &worst
                 }
             });
+        }
+        if !self.left_filled().is_empty() {
+            parts.push(format!("{} could not be cut out", plural(self.left_filled().len(), "hole")));
         }
         parts.join(", and ")
     }
@@ -536,5 +545,50 @@ impl Missed {
     pub(super) fn scaled(self, factor: f64) -> Self {
         let worst_at = self.worst_at.map(|x| factor * x);
         Missed { worst: factor * self.worst, worst_at, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use formats::Soup;
+
+    use super::*;
+    use crate::convert::{Options, SurfaceChoice, convert};
+
+    /// An open pipe, 20 mm wide and 30 mm long.
+    fn pipe() -> Soup {
+        let (around, along) = (40u32, 30);
+        let mut soup = Soup::default();
+        for k in 0..=along {
+            for i in 0..around {
+                let angle = std::f64::consts::TAU * f64::from(i) / f64::from(around);
+                soup.points.push([10.0 * angle.cos(), 10.0 * angle.sin(), f64::from(k)]);
+            }
+        }
+        for k in 0..along {
+            for i in 0..around {
+                let at = |i: u32, k: u32| k * around + i % around;
+                let [a, b, c, d] = [at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
+                soup.polygons.push([a, b, c]);
+                soup.polygons.push([a, c, d]);
+            }
+        }
+        soup
+    }
+
+    #[test]
+    fn a_named_tolerance_is_missed_where_a_gap_is_not_cut_out() {
+        let spline = Options::builder().surfaces(SurfaceChoice::Spline);
+        for (tolerance, named) in [(Some(0.5), true), (None, false)] {
+            let options = spline.clone().tolerance(tolerance).build().unwrap();
+            let made = convert(&pipe(), &options, &mut |_| Ok(())).unwrap();
+            let mut body = made.parts.into_iter().next().unwrap().bodies.remove(0);
+            let before = body.tolerance_met(0.0);
+            assert!(before || !named, "{}", body.beyond());
+            let BodyFit::Network(fit) = &mut body.fit else { panic!("no shell") };
+            fit.left_filled.push(LeftFilled { hole: 1, fault: "crosses itself", at: [0.0; 3] });
+            assert_eq!(body.tolerance_met(0.0), before && !named);
+            assert!(body.beyond().contains("1 hole could not be cut out"));
+        }
     }
 }

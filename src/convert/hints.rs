@@ -12,9 +12,8 @@ use crate::words::{grouped, mm, plural};
 pub(super) fn of(body: &Body, options: &Options) -> Vec<String> {
     let found = missed(options, body).or_else(|| lost(body));
     let of_face = body.face().map(|face| of_face(body, face, options));
-    let filled = body.network().map(|fit| fit.left_filled.as_slice()).unwrap_or_default();
     let all = found.into_iter().chain(of_face.into_iter().flatten());
-    all.chain(filled.iter().map(left_filled)).collect()
+    all.chain(body.left_filled().iter().map(left_filled)).collect()
 }
 
 /// What fills a hole was not measured.
