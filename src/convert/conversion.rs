@@ -490,7 +490,8 @@ impl Body {
             });
         }
         if !self.left_filled().is_empty() {
-            parts.push(format!("{} could not be cut out", plural(self.left_filled().len(), "hole")));
+            parts
+                .push(format!("{} could not be cut out", plural(self.left_filled().len(), "hole")));
         }
         parts.join(", and ")
     }

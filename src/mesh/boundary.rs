@@ -62,7 +62,7 @@ pub(crate) fn arms(points: &[Point], i: usize, window: f64) -> [Vector; 2] {
 
 /// A loop has a corner where its direction turns by at least this angle. The value is 45° in radians: half of the
 /// turn at a corner of a rectangle.
-pub(crate) const CORNER: f64 = std::f64::consts::FRAC_PI_4;
+const CORNER: f64 = std::f64::consts::FRAC_PI_4;
 
 /// The angle by which a closed loop turns at each point between its arms of `window` mm, in radians.
 pub(crate) fn turns(points: &[Point], window: f64) -> Vec<f64> {
@@ -74,26 +74,26 @@ pub(crate) fn turns(points: &[Point], window: f64) -> Vec<f64> {
 }
 
 /// The corners of a closed loop, the sharpest first: the points that turn by at least [`CORNER`] and
-/// more than all others within `window` mm. Each has its tip and its turn.
+/// more than all others within `window` mm along the loop. Each has its tip and its turn.
 pub(crate) fn corners(points: &[Point], turns: &[f64], window: f64) -> Vec<(usize, f64)> {
     let n = points.len();
-    let mut walked = vec![0.0];
-    for i in 0..n {
-        walked.push(walked[i] + (points[(i + 1) % n] - points[i]).norm());
-    }
-    let apart = |i: usize, j: usize| {
-        let along = (walked[i] - walked[j]).abs();
-        along.min(walked[n] - along)
-    };
-    let mut order: Vec<usize> = (0..n).filter(|&i| turns[i] >= CORNER).collect();
-    order.sort_by(|&i, &j| turns[j].total_cmp(&turns[i]).then(i.cmp(&j)));
-    let mut kept: Vec<usize> = Vec::new();
-    for i in order {
-        if kept.iter().all(|&j| apart(i, j) > window) {
-            kept.push(i);
+    let length = |i: usize, step: usize| {
+        move |&(j, walked): &(usize, f64)| {
+            let next = (j + step) % n;
+            let further = walked + (points[next] - points[j]).norm();
+            (next != i && walked < window).then_some((next, further))
         }
-    }
-    kept.into_iter().map(|i| (tip(points, i, window), turns[i])).collect()
+    };
+    let within = |i: usize, step: usize| {
+        std::iter::successors(Some((i, 0.0)), length(i, step)).skip(1).map(|(j, _)| j)
+    };
+    // The first of equal points is the corner.
+    let is_peak = |&i: &usize| {
+        within(i, 1).all(|j| turns[j] <= turns[i]) && within(i, n - 1).all(|j| turns[j] < turns[i])
+    };
+    let mut found: Vec<usize> = (0..n).filter(|&i| turns[i] >= CORNER).filter(is_peak).collect();
+    found.sort_by(|&i, &j| turns[j].total_cmp(&turns[i]).then(i.cmp(&j)));
+    found.into_iter().map(|i| (tip(points, i, window), turns[i])).collect()
 }
 
 /// The sum of the displacements from point `i` to the points within `window` mm along the loop.
@@ -115,7 +115,7 @@ fn arm(points: &[Point], i: usize, window: f64, step: usize) -> Vector {
 /// The tip of the corner near point `i` of a closed loop: the point within half a window that lies
 /// farthest outward between the two directions of [`arms`]. The turning angle alone would not
 /// single out the tip, because its neighbours have nearly the same angle.
-fn tip(points: &[Point], i: usize, window: f64) -> usize {
+pub(crate) fn tip(points: &[Point], i: usize, window: f64) -> usize {
     let [before, after] = arms(points, i, window).map(|d| d.try_normalize(0.0).unwrap_or(d));
     let outward = before - after;
     let n = points.len();

@@ -1,7 +1,5 @@
 //! Selection of the four boundary vertices that are mapped to the corners of the square.
 
-use std::f64::consts::FRAC_PI_2;
-
 use crate::error::{Error, Result};
 use crate::geometry::{Point, ROUNDING, VertexId};
 use crate::mesh::{Mesh, boundary};
@@ -38,7 +36,7 @@ struct CornerCandidate {
     position: usize,
     /// Its position along the loop, as a share of the length of the loop.
     at: f64,
-    /// The angle in radians by which the loop turns to the left.
+    /// The turning angle as a share of a right angle; 1 for a square corner.
     turn: f64,
 }
 
@@ -50,7 +48,7 @@ const MAX_SETS: usize = 8;
 ///
 /// # Errors
 /// [`Error::TooSmall`] if the boundary has fewer than four candidates.
-pub(crate) fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
+pub(super) fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
     let candidates = candidates(mesh, outer);
     let n = candidates.len();
     let mut rated: Vec<(f64, [usize; 4])> = Vec::new();
@@ -74,7 +72,7 @@ pub(crate) fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>>
 /// boundary is straight there; concave places cost up to 1.5. Opposite sides cost half the
 /// logarithm of the ratio of their lengths.
 fn cost(four: [&CornerCandidate; 4]) -> f64 {
-    let missing: f64 = four.iter().map(|c| (1.0 - c.turn / FRAC_PI_2).clamp(0.0, 1.5)).sum();
+    let missing: f64 = four.iter().map(|c| (1.0 - c.turn).clamp(0.0, 1.5)).sum();
     let side = |k: usize| (four[(k + 1) % 4].at - four[k].at).rem_euclid(1.0).max(ROUNDING);
     let uneven = |k: usize| (side(k) / side(k + 2)).ln().abs();
     missing + 0.5 * (uneven(0) + uneven(1))
@@ -92,14 +90,15 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<CornerCandidate> {
     for (i, length) in lengths.iter().enumerate() {
         let [before, after] = boundary::arms(&points, i, window);
         let normal = normals[ring[i].index()];
-        let turn = normal.dot(&before.cross(&after)).signum() * before.angle(&after);
+        let angle = normal.dot(&before.cross(&after)).signum() * before.angle(&after);
+        let turn = angle / std::f64::consts::FRAC_PI_2;
         all.push(CornerCandidate { position: i, at: walked / total, turn });
         walked += length;
     }
     let mut chosen = Vec::new();
-    let turns: Vec<f64> = all.iter().map(|candidate| candidate.turn).collect();
-    for (tip, turn) in boundary::corners(&points, &turns, window).into_iter().take(MAX_TURNS) {
-        all[tip].turn = turn;
+    for i in peaks(&all, window / total) {
+        let tip = boundary::tip(&points, i, window);
+        all[tip].turn = all[i].turn;
         chosen.push(tip);
     }
     let step = n.div_ceil(EVEN_CANDIDATES).max(1);
@@ -115,6 +114,19 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<CornerCandidate> {
     let chosen: std::collections::HashSet<usize> = chosen.into_iter().collect();
     all.retain(|c| chosen.contains(&c.position));
     all
+}
+
+/// The sharpest convex turns. A turn counts only if it is the sharpest within a window.
+fn peaks(all: &[CornerCandidate], window: f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..all.len()).filter(|&i| all[i].turn > 0.2).collect();
+    order.sort_by(|&i, &j| all[j].turn.total_cmp(&all[i].turn).then(i.cmp(&j)));
+    let mut kept: Vec<usize> = Vec::new();
+    for i in order {
+        if kept.len() < MAX_TURNS && kept.iter().all(|&j| apart(all, i, j) > window) {
+            kept.push(i);
+        }
+    }
+    kept
 }
 
 /// The distance between two boundary vertices along the loop, as a share of its length.

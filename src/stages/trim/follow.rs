@@ -166,7 +166,10 @@ impl<'a> Follower<'a> {
             let next = if *is_closed { end % parameters.len() } else { end };
             let at_end = parameters[next] == if *is_closed { b.fract() } else { b };
             let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(next));
-            self.is_longer(i, least)
+            // Where faces rest on fills, the foot point of a single vertex may be far from its neighbours'.
+            let tells = *is_closed || held.clone().count() > 1;
+            tells
+                && self.is_longer(i, least)
                 && (held.any(|k| !self.is_near(k, room[k]))
                     || self.is_fair && self.leaves_room(a, b))
         };
