@@ -102,7 +102,7 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
     let samples: Vec<FaceSamples> = each.collect();
     let face_bounds = face_bounds(model, &faces, &samples, &outlines);
 
-    let to_scan = face_to_scan(model, &samples, scan);
+    let to_scan = face_to_scan(model, &samples, &outlines, scan);
     let numbers = model.faces.iter().enumerate();
     let places = numbers.flat_map(|(face, of_face)| {
         of_face.places.iter().map(move |place| FacePlace { face, place: Some(*place) })
@@ -263,17 +263,33 @@ fn face_bounds(
     bounds(corners.into_iter()).map(|corner| corner.coords.into())
 }
 
-/// The distances of samples of the faces, at all their places, from the scan's triangles.
-fn face_to_scan(model: &CadModel, samples: &[FaceSamples], scan: &Mesh) -> Deviation {
+/// The distances of samples of the faces, at all their places, from the scan's triangles. The largest one is that of
+/// their edges as well, as a face leaves a scan farthest there.
+fn face_to_scan(
+    model: &CadModel,
+    samples: &[FaceSamples],
+    outlines: &[FaceOutline],
+    scan: &Mesh,
+) -> Deviation {
     let triangles = Triangles::new(scan);
-    let placed = samples.iter().zip(&model.faces).flat_map(|(samples, face)| {
-        face.places
-            .iter()
-            .flat_map(|place| samples.points.iter().map(|p| Point::from(place.point((*p).into()))))
-    });
-    let points: Vec<Point> = placed.collect();
-    let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();
-    Deviation::of(&points, to_scan)
+    let of = |points: &dyn Fn(usize) -> Vec<Point>| {
+        let placed = model.faces.iter().enumerate().flat_map(|(n, face)| {
+            let points = points(n);
+            let at = move |place: &CadPlace| {
+                points.iter().map(|&p| Point::from(place.point(p.into()))).collect::<Vec<_>>()
+            };
+            face.places.iter().flat_map(at)
+        });
+        let points: Vec<Point> = placed.collect();
+        let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();
+        Deviation::of(&points, to_scan)
+    };
+    let mut inner = of(&|n| samples[n].points.clone());
+    let edges = of(&|n| outlines[n].rings.iter().flatten().map(|corner| corner.point).collect());
+    if edges.max > inner.max {
+        (inner.max, inner.max_at) = (edges.max, edges.max_at);
+    }
+    inner
 }
 
 /// The distance between samples of the faces in mm, from the area and the number of points of the
