@@ -26,7 +26,6 @@ pub(super) fn compete(
     found: Vec<FoundRegion>,
     claims: &mut Claims,
 ) {
-    let Claims { regions, of, .. } = claims;
     let mut left = found;
     let first = |f: &FoundRegion| f.growth.units.iter().copied().min();
     left.sort_by(|a, b| b.weight.total_cmp(&a.weight).then_with(|| first(a).cmp(&first(b))));
@@ -35,12 +34,13 @@ pub(super) fn compete(
         let next = left[at].clone();
         at += 1;
         let free: Vec<u32> =
-            next.growth.units.iter().copied().filter(|&f| of[f as usize] == NONE).collect();
+            next.growth.units.iter().copied().filter(|&f| claims.of[f as usize] == NONE).collect();
         if free.len() < next.growth.units.len() {
             for piece in pieces(evidence, &free, search.marks()) {
                 let side = next.growth.side;
-                let growth =
+                let mut growth =
                     GrownRegion::new(evidence, next.growth.fit, side, &piece, search.marks());
+                growth.slack = next.growth.slack;
                 left.extend(search.judged(growth));
             }
             left[at..].sort_by(|a, b| {
@@ -48,9 +48,11 @@ pub(super) fn compete(
             });
             continue;
         }
-        let number = regions.len() as u32;
-        next.growth.units.iter().for_each(|&f| of[f as usize] = number);
-        regions.push(next.growth);
+        let number = claims.regions.len() as u32;
+        next.growth.units.iter().for_each(|&f| claims.of[f as usize] = number);
+        claims.regions.push(next.growth);
+        // What lies on its surface and is askew between its facets is no evidence for another one.
+        claims.absorb_into(evidence, number);
     }
 }
 

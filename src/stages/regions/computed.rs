@@ -37,8 +37,8 @@ pub fn computed(mesh: &Tessellation) -> f64 {
     }
     let facets = FacetMesh::of(mesh, f64::INFINITY);
     let closed = vec![false; facets.all.len()];
-    let evidence = ExactFacets { mesh, facets, slack: WIDE, closed };
-    let found = SeedSearch::new(&evidence, Vec::new(), Vec::new()).sounded(SOUNDINGS);
+    let evidence = ExactFacets { mesh, facets: facets.into(), slack: WIDE, closed: closed.into() };
+    let found = SeedSearch::new(&evidence, Vec::new(), Vec::new(), WIDE).sounded(SOUNDINGS);
     let is_exact = |region: &&GrownRegion| WIDE * region.fit.worst <= MOST_FACTOR * MOST_ERRORS;
     let regions = found.iter().map(|found| &found.growth).filter(is_exact);
     factor(regions.flat_map(|region| residuals(&evidence, region)).collect())

@@ -1,5 +1,8 @@
 //! The evidence of a clean mesh: facets whose corners lie on the surface within the rounding of the file.
 
+use std::f64::consts::FRAC_PI_2;
+use std::rc::Rc;
+
 use super::facets::{Border, Facet, FacetMesh};
 use super::growth::{Evidence, GrownRegion};
 use super::tessellation::{MOST_ERRORS, SLIVER, Tessellation};
@@ -22,13 +25,14 @@ const ANGLE_SLACK: f64 = 1.05;
 const SAGITTA_RATIO: f64 = 2.25;
 
 /// The facets of a clean mesh as evidence.
+#[derive(Clone)]
 pub(super) struct ExactFacets<'a> {
     pub(super) mesh: &'a Tessellation<'a>,
-    pub(super) facets: FacetMesh,
+    pub(super) facets: Rc<FacetMesh>,
     /// The factor by which all errors are larger than those of the file.
     pub(super) slack: f64,
     /// FacetMesh that no region may grow over.
-    pub(super) closed: Vec<bool>,
+    pub(super) closed: Rc<Vec<bool>>,
 }
 
 /// The largest distance of a facet of the growth from its surface.
@@ -96,6 +100,11 @@ impl Evidence for ExactFacets<'_> {
 }
 
 impl ExactFacets<'_> {
+    /// The same facets with other errors.
+    pub(super) fn with_slack(&self, slack: f64) -> Self {
+        ExactFacets { slack, ..self.clone() }
+    }
+
     /// The error of a vertex.
     pub(super) fn error(&self, vertex: u32) -> f64 {
         self.slack * self.mesh.error(vertex)
@@ -147,25 +156,20 @@ impl ExactFacets<'_> {
         let normals = self.corner_normals(surface, side, facet);
         let turn = |n: &Vector| n.cross(&facet.normal).norm().atan2(n.dot(&facet.normal));
         let turned = normals.iter().map(turn).fold(0.0, f64::max);
-        let slack = self.normal_error(facet);
-        if turned > most * ANGLE_SLACK + slack {
-            return false;
-        }
         let mut least = 1.0f64;
         for (i, n) in normals.iter().enumerate() {
             normals[..i].iter().for_each(|m| least = least.min(n.dot(m)));
         }
         let spread = least.clamp(-1.0, 1.0).acos();
-        if turned <= spread * ANGLE_SLACK + slack {
+        let slack = self.normal_error(facet);
+        if turned <= most.min(spread) * ANGLE_SLACK + slack {
             return true;
         }
-        // The normal of an obtuse triangle is as far off as its circumscribed circle is wide.
-        let [a, b, c] = facet.corners[..] else { return false };
-        let [a, b, c] = [a, b, c].map(|v| self.mesh.point(v));
-        let area = (b - a).cross(&(c - a)).norm().max(f64::MIN_POSITIVE);
-        let circumradius = (b - a).norm() * (c - b).norm() * (a - c).norm() / (2.0 * area);
-        let curvature = [a, b, c].iter().map(|&p| surface.curvature(p)).fold(0.0, f64::max);
-        turned <= (circumradius * curvature).min(1.0).asin() * ANGLE_SLACK * ANGLE_SLACK + slack
+        // Where a chord along a ring is further inside than the next ring is away, the triangle between them leans.
+        let lean = (self.sagitta(surface, facet) / (2.0 * facet.width)).min(1.0).asin();
+        facet.triangles.len() == 1
+            && spread <= 2.0 * most * ANGLE_SLACK + slack
+            && turned <= ((spread + lean) * ANGLE_SLACK + slack).min(FRAC_PI_2)
     }
 
     /// The surface's normals at a facet's corners, on the side of the mesh. An apex has none.

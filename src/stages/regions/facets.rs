@@ -49,6 +49,7 @@ impl Facet {
 }
 
 /// The facets of a mesh.
+#[derive(Clone)]
 pub(super) struct FacetMesh {
     pub(super) all: Vec<Facet>,
     /// For each triangle its facet.

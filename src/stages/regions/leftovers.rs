@@ -1,6 +1,7 @@
 //! What becomes of facets that no region holds.
 
 use std::f64::consts::FRAC_PI_2;
+use std::rc::Rc;
 
 use super::competition::Claims;
 use super::exact::{ExactFacets, MOST_TURN};
@@ -26,55 +27,88 @@ impl Claims {
     /// Gives left-over facets to the regions beside them on whose surfaces they lie. With `is_generous`, small facets may
     /// be a little off.
     pub(super) fn absorb(&mut self, evidence: &ExactFacets, is_generous: bool) {
-        let largest: Vec<f64> = self
-            .regions
-            .iter()
-            .map(|r| {
-                let stride = r.units.len().div_ceil(SAMPLE).max(1);
-                let sagitta = |&f: &u32| evidence.sagitta(&r.surface(), evidence.facets.get(f));
-                r.units.iter().step_by(stride).map(sagitta).fold(0.0, f64::max)
-            })
-            .collect();
-        let mut queue: Vec<u32> =
-            (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE).collect();
+        let all = 0..self.regions.len() as u32;
+        let largest: Vec<f64> = all.map(|r| self.largest_sagitta(evidence, r)).collect();
+        let free = (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE).collect();
+        self.spread(evidence, free, is_generous, |claims, evidence, f| {
+            let open = evidence.facets.get(f).borders.iter().filter(|b| !b.is_sharp);
+            let mut beside: Vec<u32> = open.map(|b| claims.of[b.facet as usize]).collect();
+            beside.retain(|&r| r != NONE);
+            beside.sort_unstable();
+            beside.dedup();
+            let takes = |&r: &u32| claims.takes(evidence, f, r, largest[r as usize], is_generous);
+            beside.into_iter().find(takes)
+        });
+        for region in &mut self.regions {
+            region.vertices.sort_unstable();
+            region.vertices.dedup();
+        }
+    }
+
+    /// Gives the left-over facets around one region to it that lie on its surface.
+    pub(super) fn absorb_into(&mut self, evidence: &ExactFacets, region: u32) {
+        let largest = self.largest_sagitta(evidence, region);
+        let units = &self.regions[region as usize].units;
+        let around = units.iter().flat_map(|&f| evidence.facets.get(f).borders.iter());
+        let around = around.filter(|b| !b.is_sharp).map(|b| b.facet).collect();
+        self.spread(evidence, around, false, |claims, evidence, f| {
+            claims.takes(evidence, f, region, largest, false).then_some(region)
+        });
+        let vertices = &mut self.regions[region as usize].vertices;
+        vertices.sort_unstable();
+        vertices.dedup();
+    }
+
+    /// Gives each free facet of a queue to the region that `home` names, and looks at its neighbours then.
+    fn spread(
+        &mut self,
+        evidence: &ExactFacets,
+        mut queue: Vec<u32>,
+        is_generous: bool,
+        home: impl Fn(&Claims, &ExactFacets, u32) -> Option<u32>,
+    ) {
         let mut done = 0;
         while let Some(&f) = queue.get(done) {
             done += 1;
             if self.of[f as usize] != NONE {
                 continue;
             }
-            let facet = evidence.facets.get(f);
-            let open = || facet.borders.iter().filter(|b| !b.is_sharp);
-            let mut beside: Vec<u32> = open().map(|b| self.of[b.facet as usize]).collect();
-            beside.retain(|&r| r != NONE);
-            beside.sort_unstable();
-            beside.dedup();
-            let home = beside.into_iter().find(|&r| {
-                let region = &self.regions[r as usize];
-                let surface = region.surface();
-                (facet.triangles.len() == 1
-                    || evidence.is_as_flat(
-                        evidence.sagitta(&surface, facet),
-                        largest[r as usize],
-                        facet,
-                    ))
-                    && self.holds(evidence, f, r, is_generous)
-            });
-            if let Some(home) = home {
+            if let Some(home) = home(self, evidence, f) {
+                let facet = evidence.facets.get(f);
                 self.of[f as usize] = home;
                 let region = &mut self.regions[home as usize];
                 region.units.push(f);
                 if !is_generous {
                     region.vertices.extend(&facet.corners);
                 }
-                let next = open().map(|b| b.facet);
-                queue.extend(next.filter(|&f| self.of[f as usize] == NONE));
+                let open = facet.borders.iter().filter(|b| !b.is_sharp).map(|b| b.facet);
+                queue.extend(open.filter(|&f| self.of[f as usize] == NONE));
             }
         }
-        for region in &mut self.regions {
-            region.vertices.sort_unstable();
-            region.vertices.dedup();
-        }
+    }
+
+    /// The largest distance of a facet of a region from its surface.
+    fn largest_sagitta(&self, evidence: &ExactFacets, region: u32) -> f64 {
+        let region = &self.regions[region as usize];
+        let stride = region.units.len().div_ceil(SAMPLE).max(1);
+        let sagitta = |&f: &u32| evidence.sagitta(&region.surface(), evidence.facets.get(f));
+        region.units.iter().step_by(stride).map(sagitta).fold(0.0, f64::max)
+    }
+
+    /// Whether a left-over facet beside a region belongs to it. `largest` is the largest sagitta of the region.
+    fn takes(
+        &self,
+        evidence: &ExactFacets,
+        f: u32,
+        region: u32,
+        largest: f64,
+        is_generous: bool,
+    ) -> bool {
+        let facet = evidence.facets.get(f);
+        let surface = self.regions[region as usize].surface();
+        (facet.triangles.len() == 1
+            || evidence.is_as_flat(evidence.sagitta(&surface, facet), largest, facet))
+            && self.holds(evidence, f, region, is_generous)
     }
 
     /// Cuts left-over facets whose triangles lie on the surfaces of several regions beside them: where a profile changes its
@@ -88,7 +122,7 @@ impl Claims {
         }
         for (f, homes) in cuts {
             let (regions, groups): (Vec<u32>, Vec<Vec<u32>>) = homes.into_iter().unzip();
-            let numbers = evidence.facets.cut(evidence.mesh, f, groups);
+            let numbers = Rc::make_mut(&mut evidence.facets).cut(evidence.mesh, f, groups);
             self.of.resize(evidence.facets.all.len(), NONE);
             for (number, home) in numbers.into_iter().zip(regions) {
                 self.of[number as usize] = home;
@@ -99,8 +133,8 @@ impl Claims {
                 region.vertices.dedup();
             }
         }
-        evidence.facets.rejoin(evidence.mesh);
-        evidence.closed.resize(evidence.facets.all.len(), false);
+        Rc::make_mut(&mut evidence.facets).rejoin(evidence.mesh);
+        evidence.closed = vec![false; evidence.facets.all.len()].into();
     }
 
     /// The triangles of a facet by the regions that hold them, if there are several and no triangle is left.

@@ -89,6 +89,19 @@ impl Claims {
                 return Some(GrownRegion { fit: exact.fit, side: x.side, slack, units, vertices });
             }
         }
+        // A piece between loose borders can seem to be exact on a surface of its own.
+        for (loose, piece) in [(x, y), (y, x)] {
+            let bound = evidence.bound() * loose.slack / evidence.slack;
+            let surface = loose.surface();
+            let chord = |&f: &u32| evidence.faces(&surface, x.side, evidence.facets.get(f));
+            if loose.slack > piece.slack
+                && loose.units.len() > piece.units.len()
+                && worst(evidence, &surface, &piece.vertices) <= bound
+                && piece.units.iter().all(chord)
+            {
+                return Some(GrownRegion { fit: loose.fit, side: x.side, slack, units, vertices });
+            }
+        }
         if x.slack.min(y.slack) <= 1.0 {
             return None;
         }

@@ -80,7 +80,8 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     let sharp = options.sharp.unwrap_or(f64::INFINITY);
     let facets = FacetMesh::of(mesh, sharp);
     let count = facets.all.len();
-    let mut evidence = ExactFacets { mesh, facets, slack: 1.0, closed: vec![false; count] };
+    let mut evidence =
+        ExactFacets { mesh, facets: facets.into(), slack: 1.0, closed: vec![false; count].into() };
     let pairs = FlatPairs::of(mesh);
     let is_noise = pairs.is_clean() == Some(false);
     let generous = if is_noise { 1.0 } else { most_slack(mesh) };
@@ -89,7 +90,7 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     if !is_noise {
         search(&mut evidence, &mut claims, generous);
     }
-    evidence.closed.fill(false);
+    evidence.closed = vec![false; count].into();
     evidence.slack = generous;
     claims.absorb(&evidence, true);
     evidence.slack = 1.0;
@@ -114,9 +115,9 @@ fn search(evidence: &mut ExactFacets, claims: &mut Claims, generous: f64) {
     loop {
         let mut hopeless = Vec::new();
         for _ in 0..MOST_SEARCHES {
-            evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
+            evidence.closed = claims.of.iter().map(|&r| r != NONE).collect::<Vec<_>>().into();
             let known = claims.regions.iter().map(GrownRegion::surface).collect();
-            let mut search = SeedSearch::new(evidence, known, hopeless);
+            let mut search = SeedSearch::new(evidence, known, hopeless, generous);
             let found = search.run();
             let before = claims.regions.len();
             competition::compete(evidence, &mut search, found, claims);

@@ -1,11 +1,12 @@
 //! The search for curved faces: seeds, and the surfaces tried on their patches.
 
+use super::SLACK_STEP;
 use super::borders;
 use super::exact::{ExactFacets, MOST_TURN};
 use super::facets::Facet;
 use super::growth::{Evidence, GrownRegion, RegionMarks, grow, refitted};
 use super::patches::{self, PATCHES};
-use super::significance::{FoundRegion, Tests, judged};
+use super::significance::{FoundRegion, Tests, judged, loosened};
 use crate::geometry::{Point, Vector};
 use crate::primitives::{
     FitOptions, FitSample, OrientedPoint, Primitive, PrimitiveFit, PrimitiveKind, fit, starts,
@@ -58,6 +59,7 @@ pub(super) struct SeedSearch<'a> {
     hopeless: Vec<bool>,
     /// The facets that growths have looked at for the seed in hand.
     grown: usize,
+    generous: f64,
 }
 
 impl<'a> SeedSearch<'a> {
@@ -67,10 +69,11 @@ impl<'a> SeedSearch<'a> {
         evidence: &'a ExactFacets<'a>,
         known: Vec<Primitive>,
         mut hopeless: Vec<bool>,
+        generous: f64,
     ) -> Self {
         let facets = &evidence.facets.all;
         let is_curved = |f: &Facet| !f.is_flat && f.borders.iter().any(|b| b.dihedral <= MOST_TURN);
-        let open = facets.iter().zip(&evidence.closed);
+        let open = facets.iter().zip(evidence.closed.iter());
         let pool: Vec<bool> = open.map(|(f, closed)| !closed && is_curved(f)).collect();
         let size = pool.iter().filter(|&&x| x).count();
         let tests = Tests {
@@ -80,11 +83,14 @@ impl<'a> SeedSearch<'a> {
         let marks = RegionMarks::new(facets.len(), evidence.mesh.errors.len());
         let diagonal = evidence.mesh.mesh.diagonal();
         hopeless.resize(facets.len(), false);
-        SeedSearch { evidence, pool, tests, known, marks, diagonal, hopeless, grown: 0 }
+        SeedSearch { evidence, pool, tests, known, marks, diagonal, hopeless, grown: 0, generous }
     }
 
     /// Judges a region by the number of tests of this search.
     pub(super) fn judged(&self, growth: GrownRegion) -> Option<FoundRegion> {
+        if growth.slack > self.evidence.slack {
+            return loosened(&self.evidence.with_slack(growth.slack), growth);
+        }
         judged(self.evidence, growth, &self.known, &self.tests)
     }
 
@@ -122,6 +128,10 @@ impl<'a> SeedSearch<'a> {
                 self.known.push(best.growth.surface());
                 left[piece] = allowed[piece];
                 is_hopeless[piece] = false;
+                if !is_loose && let Some(wider) = self.wider(&best) {
+                    wider.growth.units.iter().for_each(|&f| self.pool[f as usize] = false);
+                    found.push(wider);
+                }
                 found.push(best);
             } else {
                 left[piece] = left[piece].saturating_sub(1 + self.grown / SEED_WORK);
@@ -154,6 +164,27 @@ impl<'a> SeedSearch<'a> {
             }
         }
         found
+    }
+
+    /// What becomes of a region with larger errors: it is cut to pieces by a border that is a little off. The first errors count
+    /// with which it reaches as far as with the next larger ones, because a surface that comes near a free-form face reaches
+    /// the further the larger they are.
+    fn wider(&mut self, found: &FoundRegion) -> Option<FoundRegion> {
+        let FoundRegion { growth: exact, .. } = found;
+        let mut last = exact.clone();
+        while last.slack < self.generous {
+            let slack = SLACK_STEP * last.slack;
+            let view = self.evidence.with_slack(slack);
+            let grown = grow(&view, exact.fit, exact.side, &exact.units, &mut self.marks)?;
+            if last.units.len() as f64 >= AS_MUCH * grown.units.len() as f64 {
+                break;
+            }
+            last = grown;
+        }
+        if last.slack <= 1.0 || last.slack > self.generous {
+            return None;
+        }
+        loosened(&self.evidence.with_slack(last.slack), last)
     }
 
     /// The best region that holds a seed.

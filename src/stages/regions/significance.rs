@@ -1,7 +1,7 @@
 //! Whether a surface that facets lie on is more than chance.
 
 use super::borders::{ends_abruptly, is_bordered, straight_edges, tangent_neighbours};
-use super::coincidences::{independent, is_coaxial, is_extruded};
+use super::coincidences::{has_even_steps, independent, is_coaxial, is_extruded};
 use super::exact::ExactFacets;
 use super::growth::GrownRegion;
 use crate::primitives::{Primitive, PrimitiveKind};
@@ -53,6 +53,9 @@ pub(super) fn judged(
     if growth.units.len() < 2 || is_extruded(evidence, &growth) && kind != PrimitiveKind::Cylinder {
         return None;
     }
+    if !has_even_steps(evidence, &growth) {
+        return None;
+    }
     let is_bordered = is_bordered(evidence, &growth);
     if evidence.slack > 1.0 && !is_bordered {
         return None;
@@ -92,6 +95,34 @@ pub(super) fn judged(
     let weight = (growth.vertices.len() + straight_edges(evidence, &growth) + tangent) as f64
         - kind.parameters() as f64;
     Some(FoundRegion { growth, area, weight })
+}
+
+/// Weighs a region that was found with smaller errors and has grown with larger ones. Each vertex says less by the digits that
+/// the errors take away.
+pub(super) fn loosened(evidence: &ExactFacets, growth: GrownRegion) -> Option<FoundRegion> {
+    if growth.units.len() < 2
+        || !has_even_steps(evidence, &growth)
+        || !ends_abruptly(evidence, &growth)
+    {
+        return None;
+    }
+    let surface = growth.surface();
+    let sagittas = growth
+        .units
+        .iter()
+        .step_by(growth.units.len().div_ceil(SAMPLE))
+        .map(|&f| evidence.sagitta(&surface, evidence.facets.get(f)));
+    let sagitta = median(sagittas.collect())?;
+    let error = typical_error(evidence, &growth);
+    let digits = (sagitta / error).ln() / (sagitta / error * evidence.slack).ln();
+    if digits.is_nan() || digits <= 0.0 {
+        return None;
+    }
+    let tangent = tangent_neighbours(evidence, &growth);
+    let area = growth.units.iter().map(|&f| evidence.facets.get(f).area).sum();
+    let weight = (growth.vertices.len() + straight_edges(evidence, &growth) + tangent) as f64
+        - surface.kind().parameters() as f64;
+    Some(FoundRegion { growth, area, weight: weight * digits })
 }
 
 pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
