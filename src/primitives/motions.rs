@@ -164,7 +164,7 @@ impl Motions {
                 let back = (new - minor) * self.normal;
                 let wide = major + step[5];
                 let centre = centre + shift - step[5] * self.out - back;
-                (wide > new).then_some(Primitive::Torus { centre, axis, major: wide, minor: new })
+                (wide > 0.0).then_some(Primitive::Torus { centre, axis, major: wide, minor: new })
             }
         }
     }

@@ -98,7 +98,7 @@ pub enum Primitive {
         axis: Vector,
         /// The radius of the circle.
         major: f64,
-        /// The radius of the tube, smaller than `major`.
+        /// The radius of the tube. If it is larger than `major`, the surface is the part outside of where it crosses itself.
         minor: f64,
     },
 }

@@ -85,7 +85,7 @@ pub(crate) fn with_axis(
         PrimitiveKind::Torus => {
             let (middle, minor) = circle_through(&meridian)?;
             let centre = origin + middle.y * axis;
-            (middle.x > minor).then_some(Primitive::Torus { centre, axis, major: middle.x, minor })
+            (middle.x > 0.0).then_some(Primitive::Torus { centre, axis, major: middle.x, minor })
         }
         PrimitiveKind::Plane | PrimitiveKind::Sphere => None,
     }

@@ -43,13 +43,14 @@ pub enum BrepSurface {
         /// R in mm.
         radius: f64,
     },
-    /// The torus O + (R + r cos v) (cos u X + sin u Y) + r sin v Z.
+    /// The torus O + (R + r cos v) (cos u X + sin u Y) + r sin v Z. Where r is larger than R, it crosses itself on its axis, and
+    /// faces lie on the outer part.
     Torus {
         /// The frame. Its origin is the centre, and its z axis is the axis.
         frame: Frame,
         /// R, the radius of the circle around which the tube runs, in mm.
         major: f64,
-        /// r, the radius of the tube in mm. It is smaller than R.
+        /// r, the radius of the tube in mm.
         minor: f64,
     },
     /// The surface of linear extrusion C(u) + v D.
@@ -248,8 +249,8 @@ impl BrepSurface {
                 "its radius is negative, or its half angle is not between 0 and π/2",
             ),
             BrepSurface::Torus { major, minor, .. } => (
-                positive(*minor) && major.is_finite() && minor < major,
-                "the radius of its tube is not between 0 and that of its circle",
+                positive(*minor) && positive(*major),
+                "the radius of its tube or that of its circle is not positive",
             ),
             BrepSurface::Extrusion { direction, .. } => {
                 (is_unit(direction), "its direction is not a unit vector")

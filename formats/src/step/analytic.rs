@@ -97,8 +97,13 @@ pub(super) fn surface(file: &mut Part21<'_>, surface: &BrepSurface) -> io::Resul
         }
         BrepSurface::Torus { frame, major, minor } => {
             let at = placement(file, frame)?;
+            let is_spindle = major < minor;
             let [major, minor] = [*major, *minor].map(StepReal);
-            add!(file, "TOROIDAL_SURFACE('',{at},{major},{minor})")
+            if is_spindle {
+                add!(file, "DEGENERATE_TOROIDAL_SURFACE('',{at},{major},{minor},.T.)")
+            } else {
+                add!(file, "TOROIDAL_SURFACE('',{at},{major},{minor})")
+            }
         }
         BrepSurface::Extrusion { profile, direction } => {
             let curve = geometry::spline_curve(file, profile)?;

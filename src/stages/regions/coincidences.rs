@@ -6,7 +6,7 @@ use super::exact::ExactFacets;
 use super::growth::{Evidence, GrownRegion};
 use super::significance::typical_error;
 use crate::geometry::{Point, Vector, plane_axes};
-use crate::primitives::{FitSample, Primitive, PrimitiveKind};
+use crate::primitives::{FitSample, Primitive};
 
 /// Two vertices are at one place along a circle if they are nearer than so many errors: two for each of the two
 /// vertices, and as much for the axis.
@@ -31,7 +31,6 @@ pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
     let surface = growth.surface();
     let vertices = growth.vertices.iter().map(|&v| evidence.sample(v));
     let spare = growth.vertices.len() as f64 - surface.kind().parameters() as f64;
-    let spare = spare.min(mirrored(evidence, growth).unwrap_or(f64::INFINITY));
     let turn = Some(TAU);
     let around = |origin: Point, axis: Vector| {
         let (x, y) = plane_axes(axis);
@@ -89,46 +88,6 @@ pub(super) fn has_even_steps(evidence: &ExactFacets, growth: &GrownRegion) -> bo
     steps.get(1).zip(steps.get(2)).is_none_or(|(most, next)| *most <= MOST_UNEVEN * next)
 }
 
-/// So few vertices can be the mirror image of each other by the symmetry of a free-form face. Of more, half are enough.
-const MOST_MIRRORED: usize = 40;
-
-/// Coincidences of vertices that are mirror images of each other, if they are: each pair is one, and a surface that has the mirror's
-/// plane as well has two parameters less.
-fn mirrored(evidence: &ExactFacets, growth: &GrownRegion) -> Option<f64> {
-    if growth.vertices.len() > MOST_MIRRORED || growth.surface().kind() == PrimitiveKind::Cylinder {
-        return None;
-    }
-    let samples: Vec<FitSample> = growth.vertices.iter().map(|&v| evidence.sample(v)).collect();
-    let (middle, axes) = principal_axes(samples.iter().map(|s| s.at));
-    let pairs = |normal: &Vector| {
-        let image = |s: &FitSample| s.at - 2.0 * (s.at - middle).dot(normal) * normal;
-        let mut of_plane = 0;
-        let is_mirrored = samples.iter().all(|s| {
-            let image = image(s);
-            let near = SAME_PLACE * s.error;
-            of_plane += usize::from((image - s.at).norm() <= near);
-            samples.iter().any(|other| (other.at - image).norm() <= near)
-        });
-        is_mirrored.then_some((samples.len() + of_plane) / 2)
-    };
-    let different = axes.iter().filter_map(pairs).min()?;
-    let parameters = growth.surface().kind().parameters().saturating_sub(2);
-    Some(different as f64 - parameters as f64)
-}
-
-/// The middle of some points and the directions of their moments.
-fn principal_axes(points: impl Iterator<Item = Point> + Clone) -> (Point, [Vector; 3]) {
-    let n = points.clone().count().max(1) as f64;
-    let middle = Point::from(points.clone().fold(Vector::zeros(), |sum, p| sum + p.coords) / n);
-    let mut moments = nalgebra::Matrix3::zeros();
-    for p in points {
-        let q = p - middle;
-        moments += q * q.transpose();
-    }
-    let eigen = moments.symmetric_eigen();
-    (middle, [0, 1, 2].map(|k| eigen.eigenvectors.column(k).into_owned()))
-}
-
 /// Equal steps are the mark of a tessellation: each beyond the first is a coincidence. They count only if the vertices
 /// alone do not suffice.
 fn equal_steps(evidence: &ExactFacets, growth: &GrownRegion, places: f64) -> f64 {
@@ -152,10 +111,17 @@ fn equal_steps(evidence: &ExactFacets, growth: &GrownRegion, places: f64) -> f64
 fn rings(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
     let points = growth.vertices.iter().map(|&v| evidence.mesh.point(v));
     let n = growth.vertices.len() as f64;
-    let (middle, axes) = principal_axes(points);
-    let fewest = axes.iter().map(|along| {
+    let middle = points.clone().fold(Vector::zeros(), |sum, p| sum + p.coords) / n;
+    let mut moments = nalgebra::Matrix3::zeros();
+    for p in points {
+        let q = p.coords - middle;
+        moments += q * q.transpose();
+    }
+    let eigen = moments.symmetric_eigen();
+    let fewest = (0..3).map(|k| {
+        let along: Vector = eigen.eigenvectors.column(k).into_owned();
         let height = |&v: &u32| {
-            let height = (evidence.mesh.point(v) - middle).dot(along);
+            let height = (evidence.mesh.point(v).coords - middle).dot(&along);
             (height, SAME_PLACE * evidence.error(v))
         };
         different(growth.vertices.iter().map(height).collect(), None)

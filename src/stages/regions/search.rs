@@ -44,9 +44,6 @@ const MOST_MAJOR: f64 = 10.0;
 /// The known axes that are tried for a patch, those first that its normals meet best.
 const MOST_AXES: usize = 3;
 
-/// A smaller major radius than this many minor ones is a spindle by rounding.
-const LEAST_HOLE: f64 = 1.0;
-
 pub(super) struct SeedSearch<'a> {
     pub(super) evidence: &'a ExactFacets<'a>,
     /// FacetMesh that may belong to a curved face and are not explained yet.
@@ -59,6 +56,7 @@ pub(super) struct SeedSearch<'a> {
     hopeless: Vec<bool>,
     /// The facets that growths have looked at for the seed in hand.
     grown: usize,
+    /// The factor by which errors at the ends of faces may be larger than those of the file.
     generous: f64,
 }
 
@@ -170,7 +168,7 @@ impl<'a> SeedSearch<'a> {
     /// with which it reaches as far as with the next larger ones, because a surface that comes near a free-form face reaches
     /// the further the larger they are.
     fn wider(&mut self, found: &FoundRegion) -> Option<FoundRegion> {
-        let FoundRegion { growth: exact, .. } = found;
+        let exact = &found.growth;
         let mut last = exact.clone();
         while last.slack < self.generous {
             let slack = SLACK_STEP * last.slack;
@@ -279,8 +277,8 @@ impl<'a> SeedSearch<'a> {
 
     /// Whether the facets of a patch may be chords of a surface.
     pub(super) fn fits_patch(&self, surface: &Primitive, patch: &[u32]) -> bool {
-        if let Primitive::Torus { major, minor, .. } = *surface
-            && (major < LEAST_HOLE * minor || major > MOST_MAJOR * self.diagonal)
+        if let Primitive::Torus { major, .. } = *surface
+            && major > MOST_MAJOR * self.diagonal
         {
             return false;
         }

@@ -69,12 +69,7 @@ pub(super) fn judged(
     if known.iter().any(|other| is_coaxial(evidence, &growth, other)) {
         coincidences += 2.0;
     }
-    let sagittas = growth
-        .units
-        .iter()
-        .step_by(growth.units.len().div_ceil(SAMPLE))
-        .map(|&f| evidence.sagitta(&surface, evidence.facets.get(f)));
-    let sagitta = median(sagittas.collect())?;
+    let sagitta = median_sagitta(evidence, &growth)?;
     let error = typical_error(evidence, &growth);
     let is_exact = evidence.slack <= 1.0;
     let (tests, usual) = if is_bordered && is_exact {
@@ -91,10 +86,7 @@ pub(super) fn judged(
     {
         return None;
     }
-    let area = growth.units.iter().map(|&f| evidence.facets.get(f).area).sum();
-    let weight = (growth.vertices.len() + straight_edges(evidence, &growth) + tangent) as f64
-        - kind.parameters() as f64;
-    Some(FoundRegion { growth, area, weight })
+    Some(weighed(evidence, growth, tangent, 1.0))
 }
 
 /// Weighs a region that was found with smaller errors and has grown with larger ones. Each vertex says less by the digits that
@@ -106,23 +98,29 @@ pub(super) fn loosened(evidence: &ExactFacets, growth: GrownRegion) -> Option<Fo
     {
         return None;
     }
-    let surface = growth.surface();
-    let sagittas = growth
-        .units
-        .iter()
-        .step_by(growth.units.len().div_ceil(SAMPLE))
-        .map(|&f| evidence.sagitta(&surface, evidence.facets.get(f)));
-    let sagitta = median(sagittas.collect())?;
-    let error = typical_error(evidence, &growth);
-    let digits = (sagitta / error).ln() / (sagitta / error * evidence.slack).ln();
-    if digits.is_nan() || digits <= 0.0 {
-        return None;
-    }
+    let errors = median_sagitta(evidence, &growth)? / typical_error(evidence, &growth);
+    let digits = errors.ln() / (errors * evidence.slack).ln();
     let tangent = tangent_neighbours(evidence, &growth);
+    (digits > 0.0).then(|| weighed(evidence, growth, tangent, digits))
+}
+
+/// A region with its area, and with what it explains at so many digits for each vertex, as a share of those of the file.
+fn weighed(
+    evidence: &ExactFacets,
+    growth: GrownRegion,
+    tangent: usize,
+    digits: f64,
+) -> FoundRegion {
     let area = growth.units.iter().map(|&f| evidence.facets.get(f).area).sum();
-    let weight = (growth.vertices.len() + straight_edges(evidence, &growth) + tangent) as f64
-        - surface.kind().parameters() as f64;
-    Some(FoundRegion { growth, area, weight: weight * digits })
+    let explained = growth.vertices.len() + straight_edges(evidence, &growth) + tangent;
+    let weight = digits * (explained as f64 - growth.surface().kind().parameters() as f64);
+    FoundRegion { growth, area, weight }
+}
+
+fn median_sagitta(evidence: &ExactFacets, growth: &GrownRegion) -> Option<f64> {
+    let surface = growth.surface();
+    let some = growth.units.iter().step_by(growth.units.len().div_ceil(SAMPLE).max(1));
+    median(some.map(|&f| evidence.sagitta(&surface, evidence.facets.get(f))).collect())
 }
 
 pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {

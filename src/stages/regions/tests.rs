@@ -1,6 +1,6 @@
 //! Regions of small parts with known faces.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::Rotation3;
 
@@ -53,6 +53,36 @@ fn torus(major: f64, minor: f64, around: usize, across: usize) -> Mesh {
             mesh.triangles.push([v(i, j), v(i + 1, j), v(i + 1, j + 1)]);
             mesh.triangles.push([v(i, j), v(i + 1, j + 1), v(i, j + 1)]);
         }
+    }
+    mesh
+}
+
+/// A closed surface of revolution about z: rings at radii and heights, each of so many vertices. Every second one is turned by a share
+/// of a step. The first and the last one are closed by flat fans.
+fn turned(rings: &[[f64; 2]], around: usize, share: f64) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (k, &[radius, z]) in rings.iter().enumerate() {
+        for i in 0..around {
+            let angle = TAU * (i as f64 + share * (k % 2) as f64) / around as f64;
+            mesh.points.push(Point::new(radius * angle.cos(), radius * angle.sin(), z));
+        }
+    }
+    let v = |k: usize, i: usize| VertexId::from(k * around + i % around);
+    for (a, b) in (1..rings.len()).map(|k| (k - 1, k)) {
+        for i in 0..around {
+            if a % 2 == 0 {
+                mesh.triangles.push([v(a, i), v(a, i + 1), v(b, i)]);
+                mesh.triangles.push([v(a, i + 1), v(b, i + 1), v(b, i)]);
+            } else {
+                mesh.triangles.push([v(a, i), v(b, i + 1), v(b, i)]);
+                mesh.triangles.push([v(a, i), v(a, i + 1), v(b, i + 1)]);
+            }
+        }
+    }
+    let last = rings.len() - 1;
+    for i in 1..around - 1 {
+        mesh.triangles.push([v(0, 0), v(0, i + 1), v(0, i)]);
+        mesh.triangles.push([v(last, 0), v(last, i), v(last, i + 1)]);
     }
     mesh
 }
@@ -282,4 +312,92 @@ fn no_mesh_makes_the_search_panic() {
         let all: usize = found.regions.iter().map(|r| r.triangles.len()).sum();
         assert_eq!(all, mesh.triangles.len());
     }
+}
+
+/// Points of an arc in the plane of radius and height, from one angle to another.
+fn arc(centre: [f64; 2], radius: f64, from: f64, to: f64, steps: usize) -> Vec<[f64; 2]> {
+    let at = |k: usize| (from + (to - from) * k as f64 / steps as f64).sin_cos();
+    (0..=steps)
+        .map(|k| at(k))
+        .map(|(s, c)| [centre[0] + radius * c, centre[1] + radius * s])
+        .collect()
+}
+
+fn radii(found: &Regions, kind: PrimitiveKind) -> Vec<[f64; 2]> {
+    let curved = found.regions.iter().filter(|r| r.surface.kind() == kind);
+    let of = |surface: &Primitive| match *surface {
+        Primitive::Torus { major, minor, .. } => [major, minor],
+        _ => [surface.radius().unwrap(), 0.0],
+    };
+    curved.map(|r| of(&r.surface)).collect()
+}
+
+/// The fillet at the shoulder of a shaft. A mesher has cut some of its columns askew: chords along the shaft are further inside than
+/// the next ring is away, so triangles lean by far more than the surface turns.
+#[test]
+fn a_thin_fillet_around_a_thick_shaft_is_one_torus() {
+    let (around, steps) = (48, 12);
+    let mut rings = vec![[30.0, 0.0], [30.0, 9.0]];
+    rings.extend(arc([25.0, 11.0], 1.0, -0.5 * PI, -PI, steps));
+    rings.push([24.0, 30.0]);
+    let mut mesh = turned(&rings, around, 0.0);
+    let (bottom, top, middle) = (2, 2 + steps, 2 + steps / 2);
+    let v = |k: usize, i: usize| VertexId::from(k * around + i % around);
+    for i in (0..around).step_by(3) {
+        let column = |v: &VertexId| {
+            (bottom..=top).contains(&(v.index() / around))
+                && [i, i + 1].contains(&(v.index() % around))
+        };
+        mesh.triangles.retain(|t| !t.iter().all(column));
+        for k in bottom..top {
+            mesh.triangles.push([v(k, i), v(middle, i + 1), v(k + 1, i)]);
+            let end = if k < middle { bottom } else { top };
+            mesh.triangles.push([v(k, i + 1), v(k + 1, i + 1), v(end, i)]);
+        }
+    }
+    let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    assert_eq!(radii(&found, PrimitiveKind::Torus), [[25.0, 1.0]]);
+    assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 2);
+    assert_eq!(found.regions.len(), 6);
+}
+
+/// OpenCASCADE fillets beside a cone are splines that come within 1e-5 of the torus. Their borders cut the cone and the cylinder beside
+/// them to pieces of some facets each, and any three rings lie on some torus.
+#[test]
+fn faces_beside_an_approximated_fillet_are_whole() {
+    let mut rings = vec![[30.0, 0.0], [30.0, 10.0], [27.146447, 12.853553]];
+    let tangent = 1.0 * (PI / 8.0).tan();
+    let first = [24.0 + tangent * (0.25 * PI).cos(), 16.0 - tangent * (0.25 * PI).sin()];
+    let fillet = arc([25.0, 16.0 + tangent], 1.0, -0.75 * PI, -PI, 2);
+    assert!((fillet[0][0] - first[0]).abs() < 1e-12 && (fillet[0][1] - first[1]).abs() < 1e-12);
+    rings.extend(&fillet);
+    rings.push([24.0, 30.0]);
+    let mut mesh = turned(&rings, 50, 0.5);
+    for p in &mut mesh.points {
+        if (15.0..17.0).contains(&p.z) {
+            let off = 6e-6 * (7.0 * p.y.atan2(p.x)).sin();
+            let radius = p.x.hypot(p.y);
+            (p.x, p.y) = (p.x * (1.0 + off / radius), p.y * (1.0 + off / radius));
+        }
+    }
+    let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    let tori = radii(&found, PrimitiveKind::Torus);
+    assert!(tori.len() == 1 && (tori[0][0] - 25.0).abs() < 1e-3, "{tori:?}");
+    assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 2);
+    assert_eq!(kinds(&found, PrimitiveKind::Cone), 1);
+    assert_eq!(found.explained, 1.0);
+}
+
+/// The rounded end of a rod whose fillet is larger than half of its radius.
+#[test]
+fn a_fillet_whose_torus_crosses_itself_is_a_torus() {
+    let mut rings = vec![[3.0, 0.0], [3.0, 6.0]];
+    rings.extend(arc([1.0, 6.0], 2.0, 0.0, 0.5 * PI, 8).into_iter().skip(1));
+    let (mesh, errors) = exported(turned(&rings, 32, 0.5), NOWHERE, NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    assert_eq!(radii(&found, PrimitiveKind::Torus), [[1.0, 2.0]]);
+    assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 1);
+    assert_eq!(found.explained, 1.0);
 }

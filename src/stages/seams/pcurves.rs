@@ -98,10 +98,17 @@ pub(super) fn pcurve(
         }
         let mut finer = vec![t[0]];
         for (pair, middle) in t.windows(2).zip(&middles) {
-            if gap(&made, &[*middle]) > 0.5 * agrees || gap(&made, &beside(pair)) > agrees {
+            // A jump stays one however near its places are.
+            let is_wide = pair[1] - pair[0] > ROUNDED * (end - start).abs();
+            let is_off =
+                || gap(&made, &[*middle]) > 0.5 * agrees || gap(&made, &beside(pair)) > agrees;
+            if is_wide && is_off() {
                 finer.push(*middle);
             }
             finer.push(pair[1]);
+        }
+        if finer.len() == t.len() {
+            return Ok((made, worst));
         }
         t = finer;
     }
