@@ -14,9 +14,6 @@ const SMOOTH_SLACK: f64 = 4.0;
 
 const SMALL_FACET: usize = 2;
 
-/// Larger facets are faces of their own and are not cut.
-const MOST_CUT: usize = 64;
-
 /// The facets of a region that are looked at for its largest sagitta.
 const SAMPLE: usize = 300;
 
@@ -112,13 +109,14 @@ impl Claims {
     }
 
     /// Cuts left-over facets whose triangles lie on the surfaces of several regions beside them: where a profile changes its
-    /// bend the last facet of one arc and the first one of the next lie in one plane.
-    pub(super) fn cut(&mut self, evidence: &mut ExactFacets) {
+    /// bend the last facet of one arc and the first one of the next lie in one plane, and so do the strips of a tube at the top of a
+    /// bend. Returns whether there were any.
+    pub(super) fn cut(&mut self, evidence: &mut ExactFacets) -> bool {
         let free = (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE);
         let cuts: Vec<(u32, Homes)> =
             free.filter_map(|f| Some((f, self.homes(evidence, f)?))).collect();
         if cuts.is_empty() {
-            return;
+            return false;
         }
         for (f, homes) in cuts {
             let (regions, groups): (Vec<u32>, Vec<Vec<u32>>) = homes.into_iter().unzip();
@@ -135,6 +133,7 @@ impl Claims {
         }
         Rc::make_mut(&mut evidence.facets).rejoin(evidence.mesh);
         evidence.closed = vec![false; evidence.facets.all.len()].into();
+        true
     }
 
     /// The triangles of a facet by the regions that hold them, if there are several and no triangle is left.
@@ -145,7 +144,7 @@ impl Claims {
         beside.retain(|&r| r != NONE);
         beside.sort_unstable();
         beside.dedup();
-        if beside.len() < 2 || facet.triangles.len() > MOST_CUT {
+        if beside.len() < 2 {
             return None;
         }
         let mut homes: Homes = beside.into_iter().map(|r| (r, Vec::new())).collect();

@@ -99,7 +99,9 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     claims.unify(&evidence);
     claims.absorb(&evidence, true);
     evidence.slack = 1.0;
-    claims.cut(&mut evidence);
+    if claims.cut(&mut evidence) {
+        claims.merge(&evidence);
+    }
     let count = evidence.facets.all.len();
     let mut marks = RegionMarks::new(count, mesh.errors.len());
     let keep_polygons = options.keep_polygons || sharp < prisms::WIDEST_TURN;

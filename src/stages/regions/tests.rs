@@ -401,3 +401,41 @@ fn a_fillet_whose_torus_crosses_itself_is_a_torus() {
     assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 1);
     assert_eq!(found.explained, 1.0);
 }
+
+/// A tube that bends in a plane, whose vertices lie half a step beside that plane: the strips above and below lie in one plane each, along
+/// the straight pieces and the bend.
+#[test]
+fn a_bent_tube_is_whole_where_its_strips_lie_in_one_plane() {
+    let (around, bend, steps) = (24, 20.0, 40);
+    let mut frames = vec![([bend, -30.0], 0.0)];
+    for k in 0..=steps {
+        let angle = 0.5 * PI * k as f64 / steps as f64;
+        frames.push(([bend * angle.cos(), bend * angle.sin()], angle));
+    }
+    frames.push(([-25.0, bend], 0.5 * PI));
+    let mut mesh = Mesh::default();
+    for ([x, y], angle) in &frames {
+        for i in 0..around {
+            let (sin, cos) = (TAU * (i as f64 + 0.5) / around as f64).sin_cos();
+            let out = 5.0 * cos;
+            mesh.points.push(Point::new(x + out * angle.cos(), y + out * angle.sin(), 5.0 * sin));
+        }
+    }
+    let v = |k: usize, i: usize| VertexId::from(k * around + i % around);
+    let last = frames.len() - 1;
+    for k in 0..last {
+        for i in 0..around {
+            mesh.triangles.push([v(k, i), v(k + 1, i + 1), v(k, i + 1)]);
+            mesh.triangles.push([v(k, i), v(k + 1, i), v(k + 1, i + 1)]);
+        }
+    }
+    for i in 1..around - 1 {
+        mesh.triangles.push([v(0, 0), v(0, i), v(0, i + 1)]);
+        mesh.triangles.push([v(last, 0), v(last, i + 1), v(last, i)]);
+    }
+    let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    assert_eq!(radii(&found, PrimitiveKind::Torus), [[20.0, 5.0]]);
+    assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 2);
+    assert_eq!(found.regions.len(), 5);
+}
