@@ -233,6 +233,18 @@ pub enum CloudFault {
         /// The number of different points.
         points: usize,
     },
+    /// Most points are in no triangle.
+    #[error(
+        "triangles between neighbours hold only {} of {} of the cloud; the others are on no surface",
+        grouped(*used),
+        plural(*points, "point")
+    )]
+    Torn {
+        /// The number of points in triangles.
+        used: usize,
+        /// The number of points.
+        points: usize,
+    },
     /// There are more points than fit into the memory, and their means are on no surface.
     #[error(
         "the cloud has {}; the means at {} fit into the memory that is allowed, but points in two layers are not averaged",
@@ -424,6 +436,9 @@ impl Error {
             }
             Error::Cloud(CloudFault::Crowded { .. }) => {
                 "allow more memory, or take a part of the cloud with `scan`, `within` or `max_points`".into()
+            }
+            Error::Cloud(CloudFault::Torn { .. }) => {
+                "check that x, y and z are the coordinates (`columns` names them) and have one unit: degrees are none".into()
             }
             Error::Cloud(CloudFault::NoTriangle) => {
                 "name a smaller `spacing`, or scan the surface with more points".into()

@@ -34,7 +34,7 @@ pub(crate) use average::{Density, density};
 pub use grid::{GridDoubt, GridUse, Outside};
 pub use options::Options;
 
-use crate::error::{Error, Result};
+use crate::error::{CloudFault, Error, Result};
 use crate::geometry::NONE;
 use crate::progress::Progress;
 
@@ -123,15 +123,23 @@ pub fn triangulate(
 
 /// Makes triangles of all points of a cloud.
 fn of_all(cloud: &Points, options: &Options, progress: &mut Progress) -> Result<Triangulation> {
-    match grid::triangulate_grid(cloud, options) {
-        Ok(triangulation) => Ok(triangulation),
+    let made = match grid::triangulate_grid(cloud, options) {
+        Ok(triangulation) => triangulation,
         Err(grid) => {
             let mut triangulation = scattered::triangulate(cloud, options, progress)?;
             triangulation.report.grid = grid;
-            Ok(triangulation)
+            triangulation
         }
+    };
+    let used = made.vertex_of.iter().filter(|&&v| v != LEFT_OUT).count();
+    if (used as f64) < LEAST_USED * cloud.len() as f64 {
+        return Err(Error::Cloud(CloudFault::Torn { used, points: cloud.len() }));
     }
+    Ok(made)
 }
+
+/// Triangles that leave out more than half of the points are no surface of them.
+const LEAST_USED: f64 = 0.5;
 
 /// Checks what the readers promise.
 fn check(cloud: &Points) -> Result<()> {
