@@ -317,10 +317,7 @@ fn no_mesh_makes_the_search_panic() {
 /// Points of an arc in the plane of radius and height, from one angle to another.
 fn arc(centre: [f64; 2], radius: f64, from: f64, to: f64, steps: usize) -> Vec<[f64; 2]> {
     let at = |k: usize| (from + (to - from) * k as f64 / steps as f64).sin_cos();
-    (0..=steps)
-        .map(|k| at(k))
-        .map(|(s, c)| [centre[0] + radius * c, centre[1] + radius * s])
-        .collect()
+    (0..=steps).map(at).map(|(s, c)| [centre[0] + radius * c, centre[1] + radius * s]).collect()
 }
 
 fn radii(found: &Regions, kind: PrimitiveKind) -> Vec<[f64; 2]> {
