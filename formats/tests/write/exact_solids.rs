@@ -62,7 +62,7 @@ fn a_moved_one_stays_sound() {
 fn broken_exact_ones_are_refused() {
     type Break = fn(&mut Brep);
     type Is = fn(&ModelFault) -> bool;
-    let variants: [(&str, (Brep, f64), Break, Is); 7] = [
+    let variants: [(&str, (Brep, f64), Break, Is); 8] = [
         (
             "a cylinder that is too wide",
             exact::cylinder(),
@@ -79,10 +79,16 @@ fn broken_exact_ones_are_refused() {
             |f| matches!(f, ModelFault::Measures(..)),
         ),
         (
-            "a torus that cuts itself",
+            "a torus without a circle",
             exact::torus(),
-            |b| b.surfaces[0] = BrepSurface::torus(Frame::WORLD, 3.0, 3.0),
+            |b| b.surfaces[0] = BrepSurface::torus(Frame::WORLD, 0.0, 3.0),
             |f| matches!(f, ModelFault::Measures(..)),
+        ),
+        (
+            "a torus beyond where it cuts itself",
+            exact::torus(),
+            |b| b.surfaces[0] = BrepSurface::torus(Frame::WORLD, 3.0, 3.5),
+            |f| matches!(f, ModelFault::Leaves(_)),
         ),
         (
             "a circle that begins elsewhere",
