@@ -147,8 +147,14 @@ impl Brep {
             return Err(ModelFault::Range(part));
         }
         let ranges = allowed(surface);
-        let outside =
-            |pole: &[f64; 2]| (0..2).any(|k| pole[k] < ranges[k].0 || pole[k] > ranges[k].1);
+        // A torus that crosses itself ends on its axis.
+        let beyond_axis = |v: f64| match surface {
+            BrepSurface::Torus { major, minor, .. } => major + minor * v.cos() < -CLOSED * minor,
+            _ => false,
+        };
+        let outside = |at: &[f64; 2]| {
+            (0..2).any(|k| at[k] < ranges[k].0 || at[k] > ranges[k].1) || beyond_axis(at[1])
+        };
         // Poles may be outside of the range although the curve is inside.
         let leaves = pcurve.spline().is_none_or(|spline| spline.poles().iter().any(outside));
         let mut breaks = [curve.breaks(), pcurve.breaks()].concat();

@@ -176,11 +176,6 @@ impl BrepSurface {
         match self {
             BrepSurface::Spline(spline) => [spline.u().range(), spline.v().range()],
             BrepSurface::Plane { .. } | BrepSurface::Cylinder { .. } => [ENDLESS; 2],
-            // One that reaches its axis ends there.
-            BrepSurface::Torus { major, minor, .. } if minor >= major => {
-                let most = (-major / minor).acos();
-                [ENDLESS, (-most, most)]
-            }
             BrepSurface::Torus { .. } => [ENDLESS; 2],
             BrepSurface::Cone { radius, half_angle, .. } => {
                 [ENDLESS, (-radius / half_angle.tan(), f64::INFINITY)]
