@@ -272,11 +272,11 @@ fn face_to_scan(
     scan: &Mesh,
 ) -> Deviation {
     let triangles = Triangles::new(scan);
-    let of = |points: &dyn Fn(usize) -> Vec<Point>| {
-        let placed = model.faces.iter().enumerate().flat_map(|(n, face)| {
-            let points = points(n);
+    let of = |points: Vec<&[Point]>| {
+        let placed = points.into_iter().zip(&model.faces).flat_map(|(points, face)| {
             let at = move |place: &CadPlace| {
-                points.iter().map(|&p| Point::from(place.point(p.into()))).collect::<Vec<_>>()
+                let place = *place;
+                points.iter().map(move |&p| Point::from(place.point(p.into())))
             };
             face.places.iter().flat_map(at)
         });
@@ -284,8 +284,10 @@ fn face_to_scan(
         let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();
         Deviation::of(&points, to_scan)
     };
-    let mut inner = of(&|n| samples[n].points.clone());
-    let edges = of(&|n| outlines[n].rings.iter().flatten().map(|corner| corner.point).collect());
+    let mut inner = of(samples.iter().map(|face| &face.points[..]).collect());
+    let corners = |face: &FaceOutline| face.rings.iter().flatten().map(|c| c.point).collect();
+    let corners: Vec<Vec<Point>> = outlines.iter().map(corners).collect();
+    let edges = of(corners.iter().map(Vec::as_slice).collect());
     if edges.max > inner.max {
         (inner.max, inner.max_at) = (edges.max, edges.max_at);
     }

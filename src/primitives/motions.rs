@@ -118,7 +118,7 @@ impl Motions {
     }
 
     /// The surface after a step. `None` if it has degenerated: a radius beyond every bound, a cone that
-    /// is none, a torus that touches itself.
+    /// is none, a torus without a circle.
     pub(crate) fn moved(&self, step: &MotionRow) -> Option<Primitive> {
         let [x, y] = self.across;
         let turn = |by: [f64; 2]| Rotation3::new(by[0] * x + by[1] * y);
