@@ -62,9 +62,9 @@ pub(crate) fn contact(a: &Primitive, b: &Primitive, p: Point) -> Point {
         && (second - radius).abs() < EQUAL * radius
         && let Some((there, _, _)) = spine(other, at)
         && (there - at).norm() < EQUAL * radius
-        && let Some(found) = across(thin, other, p, radius)
     {
-        return found;
+        // Equal tubes with one spine are one surface.
+        return across(thin, other, p, radius).unwrap_or_else(|| other.closest(thin.closest(p)));
     }
     other.closest(at)
 }
@@ -82,7 +82,7 @@ fn across(a: &Primitive, b: &Primitive, p: Point, radius: f64) -> Option<Point> 
         }
         // Crossed cylinders have only the two points on the common normal.
         (Primitive::Cylinder { axis, .. }, Primitive::Cylinder { axis: other, .. }) => {
-            let normal = axis.cross(other).try_normalize(PARALLEL)?;
+            let normal = axis.cross(other).try_normalize(PARALLEL.sqrt())?;
             let at = on_line(a, p)?;
             return Some(at + radius * (p - at).dot(&normal).signum() * normal);
         }

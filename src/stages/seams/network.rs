@@ -5,6 +5,7 @@ use super::arches::Arch;
 use super::fallback::SeamFault;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::primitives::Primitive;
+use crate::primitives::contact::touch;
 
 /// Mesh edges between the same two patches. The left one is on the left of the direction, seen from outside.
 #[derive(Debug, Clone)]
@@ -178,10 +179,12 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// Where chains end: not two borders meet, or a facet has a corner.
+    /// Where chains end: not two borders meet, a facet has a corner, or surfaces that cross have one normal.
     fn junctions(&self) -> Vec<bool> {
         let mut borders = vec![0_u32; self.mesh.points.len()];
         let mut pair = vec![[usize::MAX; 2]; self.mesh.points.len()];
+        // The ends of the two border edges at each vertex.
+        let mut beside = vec![[usize::MAX; 2]; self.mesh.points.len()];
         let mut is_junction = vec![false; self.mesh.points.len()];
         for side in 0..3 * self.mesh.triangles.len() {
             let own = self.of_triangle[side / 3];
@@ -194,6 +197,7 @@ impl Work<'_> {
                 let other = self.across(side);
                 let key = [own.min(other), own.max(other)];
                 let end = self.mesh.side(side).1.index();
+                beside[v][usize::from(own < other)] = end;
                 // A side of a rim has no twin that begins at its end.
                 let ends = std::iter::once(v).chain((other >= self.patches.len()).then_some(end));
                 for v in ends {
@@ -203,7 +207,20 @@ impl Work<'_> {
                 }
             }
         }
-        let is_end = |v: usize| is_junction[v] || (borders[v] != 2 && borders[v] != 0);
-        (0..borders.len()).map(|v| is_end(v) && borders[v] > 0).collect()
+        let is_end = |v: usize| {
+            is_junction[v] || borders[v] != 2 || self.is_contact(pair[v], v, beside[v])
+        };
+        (0..borders.len()).map(|v| borders[v] > 0 && is_end(v)).collect()
+    }
+
+    /// Whether two surfaces touch at a vertex of their border, and cross at the vertices beside it. The border has a corner there, as two branches
+    /// of their seam meet.
+    fn is_contact(&self, pair: [usize; 2], v: usize, beside: [usize; 2]) -> bool {
+        let [Some(a), Some(b)] = pair.map(|i| self.patches.get(i)) else { return false };
+        let touches = |v: usize| {
+            let at = self.mesh.points.get(v);
+            at.is_some_and(|&p| touch(&a.surface, &b.surface, &[p], self.errors[v]))
+        };
+        !a.is_facet && !b.is_facet && touches(v) && !beside.into_iter().any(touches)
     }
 }
