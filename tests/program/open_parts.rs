@@ -8,10 +8,10 @@ use crate::common::{arg, convert, converted, fixture, inspect, json, number};
 use scan2step::formats::{Soup, read_scan};
 use serde_json::{Value, json};
 
-type Triangle = [[f64; 3]; 3];
+pub(crate) type Triangle = [[f64; 3]; 3];
 
 /// The triangles of polygons that their first corners see as a whole.
-fn fans(polygons: &[Vec<[f64; 3]>]) -> Vec<Triangle> {
+pub(crate) fn fans(polygons: &[Vec<[f64; 3]>]) -> Vec<Triangle> {
     let fan = |p: &Vec<[f64; 3]>| (2..p.len()).map(|k| [p[0], p[k - 1], p[k]]).collect::<Vec<_>>();
     polygons.iter().flat_map(fan).collect()
 }
@@ -65,7 +65,8 @@ fn cut_cube() -> Vec<Triangle> {
     all
 }
 
-fn write_stl(path: &Path, triangles: &[Triangle]) {
+/// Writes a binary STL file.
+pub(crate) fn write_stl(path: &Path, triangles: &[Triangle]) {
     let mut bytes = vec![0; 80];
     bytes.extend((triangles.len() as u32).to_le_bytes());
     for triangle in triangles {

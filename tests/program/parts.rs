@@ -1,5 +1,6 @@
 //! The meshes of CAD programs become solids of the faces that the programs had.
 
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
@@ -306,14 +307,84 @@ fn every_vertex_of_the_file_has_its_point() {
     }
 }
 
+/// Arms of one radius from the middle of a pipe of that radius along z, one along x or two, each with a height of `HIGH`. The seams of
+/// equal cylinders are ellipses that meet in two points, where the cylinders touch.
+fn crossing(arms: &[f64]) -> Vec<crate::open_parts::Triangle> {
+    const STEPS: usize = 48;
+    let angle = |k: usize| TAU * k as f64 / STEPS as f64;
+    // The seam is where z and x are as large as each other.
+    let around = |k: usize, z: f64| [RADIUS * angle(k).cos(), RADIUS * angle(k).sin(), z];
+    let seam = |k: usize, up: f64| around(k, up * RADIUS * angle(k).cos().abs());
+    let swapped = |p: [f64; 3]| [p[2], p[1], p[0]];
+    let has_arm = |k: usize| arms.iter().any(|arm| arm * angle(k).cos() > 1e-9);
+    let mut polygons = Vec::new();
+    for k in 0..STEPS {
+        let is_cut = has_arm(k) || has_arm(k + 1);
+        for up in [-1.0, 1.0] {
+            let low = |k: usize| if is_cut { seam(k, up) } else { around(k, 0.0) };
+            let mut side = vec![low(k), low(k + 1), around(k + 1, up * HIGH), around(k, up * HIGH)];
+            if up < 0.0 {
+                side.reverse();
+            }
+            polygons.push(side);
+        }
+    }
+    let disk = |up: f64| (0..STEPS).map(|k| around(k, up * HIGH)).collect::<Vec<_>>();
+    let mut ends = vec![disk(1.0), disk(-1.0).into_iter().rev().collect()];
+    for &arm in arms {
+        for k in 0..STEPS {
+            let [low, high] = [seam(k, arm), seam(k + 1, arm)].map(swapped);
+            let [far, top] = [k + 1, k].map(|k| swapped(around(k, arm * HIGH)));
+            let mut side = vec![low, high, far, top];
+            if arm > 0.0 {
+                side.reverse();
+            }
+            polygons.push(side);
+        }
+        let end = disk(arm).into_iter().map(swapped);
+        ends.push(if arm > 0.0 { end.rev().collect() } else { end.collect() });
+    }
+    crate::open_parts::fans(&[polygons, ends].concat())
+}
+
+const RADIUS: f64 = 12.0;
+const HIGH: f64 = 30.0;
+
+#[test]
+fn cylinders_of_one_radius_that_cross_are_whole() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [scan, step] = ["pipes.stl", "pipes.step"].map(|name| folder.path().join(name));
+    // What two of them have in common is Steinmetz's solid.
+    let (pipe, common) = (2.0 * PI * RADIUS.powi(2) * HIGH, 16.0 / 3.0 * RADIUS.powi(3));
+    for (arms, expected, volume) in [
+        (&[1.0][..], json!({"plane": 3, "cylinder": 2}), 1.5 * pipe - common / 2.0),
+        (&[1.0, -1.0], json!({"plane": 4, "cylinder": 4}), 2.0 * pipe - common),
+    ] {
+        crate::open_parts::write_stl(&scan, &crossing(arms));
+        let (said, report) = made(&scan, &step, &[]);
+        assert_eq!(kinds(&report), expected, "{said}");
+        let read = opencascade_solid(&step);
+        assert_eq!(read["valid"], true, "{said}");
+        let off = number(&read, "/volume") / volume - 1.0;
+        assert!(off.abs() < 1e-6, "{off:e}: {said}");
+    }
+}
+
 /// Real parts whose edges are off their surfaces, and whose meshers cut tori askew. They are found whole.
 #[test]
 fn parts_with_loose_edges_have_the_faces_of_their_truths() {
     let Some(parts) = shared("parts") else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for name in ["featuretype", "iso7040_nut", "nist_pmi_1", "u2_knob_housing"] {
+    for (name, fineness) in [
+        ("featuretype", "coarse"),
+        ("iso7040_nut", "coarse"),
+        ("nist_pmi_1", "coarse"),
+        ("nist_pmi_1", "fine"),
+        ("bq_display_housing", "fine"),
+        ("u2_knob_housing", "coarse"),
+    ] {
         let truth = json(&parts.join(format!("truth/{name}.json")));
-        let mesh = parts.join(format!("stl/{name}.coarse.stl.gz"));
+        let mesh = parts.join(format!("stl/{name}.{fineness}.stl.gz"));
         let unpacked = Command::new("gzip").arg("-dc").arg(&mesh).output().expect("gzip runs");
         let stl = folder.path().join(format!("{name}.stl"));
         std::fs::write(&stl, unpacked.stdout).expect("a file");
@@ -324,7 +395,20 @@ fn parts_with_loose_edges_have_the_faces_of_their_truths() {
         // A profile of a spline goes straight up in a face of its own.
         let spline = |kind: String| if kind == "extrusion" { "spline".into() } else { kind };
         let truths: serde_json::Map<_, _> = truths.map(|(kind, n)| (spline(kind), n)).collect();
-        assert_eq!(kinds(&report), Value::from(truths), "{name}");
+        assert_eq!(kinds(&report), Value::from(truths), "{name} {fineness}");
         assert_eq!(opencascade_solid(&step)["valid"], true, "{name}");
     }
+}
+
+/// Three pairs of mirror images lie on a sphere whatever they are, as those at the flat walls of this part do.
+#[test]
+fn symmetry_makes_no_sphere() {
+    let Some(parts) = shared("parts") else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [stl, step] = ["part.stl", "part.step"].map(|name| folder.path().join(name));
+    let mesh = parts.join("stl/u2_head_bottom.coarse.stl.gz");
+    let unpacked = Command::new("gzip").arg("-dc").arg(&mesh).output().expect("gzip runs");
+    std::fs::write(&stl, unpacked.stdout).expect("a file");
+    let (said, report) = made(&stl, &step, &[]);
+    assert_eq!(number(&report, "/shape/surfaces/sphere"), 0.0, "{said}");
 }

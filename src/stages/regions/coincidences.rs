@@ -48,7 +48,9 @@ pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
             (places - 3.0).min(spare) + equal_steps(evidence, growth, places)
         }
         Primitive::Cone { origin, axis, .. } => (around(origin, axis) - 3.0).min(spare),
-        Primitive::Sphere { .. } => spare.min(rings(evidence, growth)),
+        Primitive::Sphere { .. } => {
+            spare.min(rings(evidence, growth)).min(images(evidence, growth))
+        }
         Primitive::Torus { centre, axis, .. } => {
             let rings = different(around_tube(evidence, growth), turn) as f64;
             spare.min(rings - 3.0).min(around(centre, axis) - 3.0)
@@ -109,25 +111,56 @@ fn equal_steps(evidence: &ExactFacets, growth: &GrownRegion, places: f64) -> f64
 
 /// Coincidences of a sphere whose vertices lie on few parallel circles: any two such circles are on a sphere.
 fn rings(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
-    let points = growth.vertices.iter().map(|&v| evidence.mesh.point(v));
     let n = growth.vertices.len() as f64;
-    let middle = points.clone().fold(Vector::zeros(), |sum, p| sum + p.coords) / n;
-    let mut moments = nalgebra::Matrix3::zeros();
-    for p in points {
-        let q = p.coords - middle;
-        moments += q * q.transpose();
-    }
-    let eigen = moments.symmetric_eigen();
-    let fewest = (0..3).map(|k| {
-        let along: Vector = eigen.eigenvectors.column(k).into_owned();
+    let (middle, axes) = principal_axes(evidence, growth);
+    let fewest = axes.map(|along| {
         let height = |&v: &u32| {
-            let height = (evidence.mesh.point(v).coords - middle).dot(&along);
+            let height = (evidence.mesh.point(v) - middle).dot(&along);
             (height, SAME_PLACE * evidence.error(v))
         };
         different(growth.vertices.iter().map(height).collect(), None)
     });
-    let fewest = fewest.min().unwrap_or(0) as f64;
+    let fewest = fewest.into_iter().min().unwrap_or(0) as f64;
     if fewest * 3.0 <= n { fewest - 2.0 } else { n }
+}
+
+/// The middle of a region's vertices, and the axes of their second moments.
+fn principal_axes(evidence: &ExactFacets, growth: &GrownRegion) -> (Point, [Vector; 3]) {
+    let points = || growth.vertices.iter().map(|&v| evidence.mesh.point(v));
+    let n = growth.vertices.len() as f64;
+    let middle = Point::from(points().fold(Vector::zeros(), |sum, p| sum + p.coords) / n);
+    let moments: nalgebra::Matrix3<f64> =
+        points().map(|p| (p - middle) * (p - middle).transpose()).sum();
+    let eigen = moments.symmetric_eigen();
+    (middle, [0, 1, 2].map(|k| eigen.eigenvectors.column(k).into_owned()))
+}
+
+/// The most vertices of a region that are compared with each other. An eighth of so many, with three mirrors, are still far more than a sphere
+/// has parameters.
+const MOST_MIRRORED: usize = 200;
+
+/// Coincidences of a sphere whose vertices are mirror images of each other: an image says nothing new, and the centre lies in the plane
+/// between them. So three pairs are on a sphere whatever they are.
+fn images(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
+    let mut left = growth.vertices.clone();
+    if left.len() > MOST_MIRRORED {
+        return f64::INFINITY;
+    }
+    let (middle, axes) = principal_axes(evidence, growth);
+    let mut free = growth.surface().kind().parameters() as f64;
+    for along in axes {
+        let height = |v: u32| (evidence.mesh.point(v) - middle).dot(&along);
+        let image = |v: u32| evidence.mesh.point(v) - 2.0 * height(v) * along;
+        let is_at = |p: Point, v: u32| {
+            (evidence.mesh.point(v) - p).norm() <= SAME_PLACE * evidence.error(v)
+        };
+        let has_image = |&v: &u32| growth.vertices.iter().any(|&w| is_at(image(v), w));
+        if growth.vertices.iter().all(has_image) {
+            free -= 1.0;
+            left.retain(|&v| height(v) >= -SAME_PLACE * evidence.error(v));
+        }
+    }
+    left.len() as f64 - free
 }
 
 /// Whether a region has the axis of another surface.

@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use super::competition::Claims;
 use super::exact::{ExactFacets, MOST_TURN};
+use super::facets::Border;
 use super::growth::Evidence;
 use crate::geometry::NONE;
 
@@ -171,11 +172,13 @@ impl Claims {
         let facet = evidence.facets.get(f);
         let growth = &self.regions[region as usize];
         let surface = growth.surface();
-        let slack = match (is_generous, facet.triangles.len()) {
-            (true, 1) => SMOOTH_SLACK.max(self.generous),
-            (true, _) => SMOOTH_SLACK.max(growth.slack),
-            (false, _) => growth.slack,
-        } / evidence.slack;
+        let on = |slack: f64| {
+            let bound = slack / evidence.slack * evidence.bound();
+            move |v: &u32| {
+                let s = evidence.sample(*v);
+                surface.distance(s.at).0.abs() <= bound * s.error
+            }
+        };
         if is_generous {
             let is_smooth = facet
                 .borders
@@ -185,13 +188,23 @@ impl Claims {
                 return false;
             }
         }
-        let on = |&v: &u32| {
-            let s = evidence.sample(v);
-            surface.distance(s.at).0.abs() <= slack * evidence.bound() * s.error
-        };
         // A face that is found may have wider facets where its border is complicated.
         // Meshers cut single triangles askew, but not so far that they face the other way.
         let most = if facet.triangles.len() == 1 { FRAC_PI_2 } else { MOST_TURN };
-        facet.corners.iter().all(on) && evidence.turns_at_most(most, &surface, growth.side, facet)
+        // A mesher folds a triangle over the one beside it where a fan meets in an apex.
+        let is_inside = || {
+            let of = |b: &Border| self.of[b.facet as usize] == region;
+            facet.triangles.len() == 1 && facet.borders.iter().all(of)
+        };
+        let turns = || evidence.turns_at_most(most, &surface, growth.side, facet);
+        let corners = || facet.corners.iter();
+        let slack = if is_generous { SMOOTH_SLACK.max(growth.slack) } else { growth.slack };
+        // Loose edges move one corner of two triangles in a plane.
+        let is_moved = || {
+            let most = SMOOTH_SLACK.max(self.generous);
+            let off = corners().filter(|v| !on(slack)(v)).count();
+            is_generous && (off <= 1 || facet.triangles.len() == 1) && corners().all(on(most))
+        };
+        (corners().all(on(slack)) || is_moved()) && (turns() || is_inside())
     }
 }

@@ -65,6 +65,9 @@ impl Claims {
                     |&f: &u32| evidence.faces(&fit.surface, region.side, evidence.facets.get(f));
                 (fit.worst <= bound && region.units.iter().all(chord)).then_some(fit)
             });
+            // The axis is known no better than the vertices tell.
+            let free = FitOptions { steps: 0, ..FitOptions::default() };
+            let found = found.and_then(|f| refitted(evidence, f.surface, &region.vertices, &free));
             if let Some(fit) = found {
                 region.fit = fit;
                 region.slack = region.slack.max(fit.worst / bound * self.generous);

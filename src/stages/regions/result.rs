@@ -38,6 +38,8 @@ pub struct FaceRegion {
     /// The vertices that must lie on the surface, ascending: corners of the outlines of its facets; of a flat face all
     /// vertices.
     pub vertices: Vec<u32>,
+    /// The vertices may be off the surface by so many times their bounds, as edges of the model are off its surfaces.
+    pub slack: f64,
     /// The motions of the surface before it was snapped, which `covariance` speaks of.
     pub motions: Motions,
     /// The covariance of these motions for independent errors of the vertices of the size of their bounds.
@@ -173,6 +175,7 @@ fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> FaceRegion {
         origin: RegionOrigin::Curved,
         triangles,
         vertices,
+        slack: growth.slack,
         motions: growth.fit.motions,
         covariance: growth.fit.covariance,
     }
@@ -193,5 +196,6 @@ fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> FaceRegion {
     let covariance = fitted.map_or(Covariance::zeros(), |fit| fit.covariance);
     let is_facet = leftovers[f as usize];
     let origin = if is_facet { RegionOrigin::Facet } else { RegionOrigin::Flat };
-    FaceRegion { surface, side: 1.0, origin, triangles, vertices, motions, covariance }
+    let slack = 1.0;
+    FaceRegion { surface, side: 1.0, origin, triangles, vertices, slack, motions, covariance }
 }

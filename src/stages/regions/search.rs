@@ -126,7 +126,7 @@ impl<'a> SeedSearch<'a> {
                 self.known.push(best.growth.surface());
                 left[piece] = allowed[piece];
                 is_hopeless[piece] = false;
-                if !is_loose && let Some(wider) = self.wider(&best) {
+                if let Some(wider) = self.wider(&best) {
                     wider.growth.units.iter().for_each(|&f| self.pool[f as usize] = false);
                     found.push(wider);
                 }
@@ -170,16 +170,21 @@ impl<'a> SeedSearch<'a> {
     fn wider(&mut self, found: &FoundRegion) -> Option<FoundRegion> {
         let exact = &found.growth;
         let mut last = exact.clone();
-        while last.slack < self.generous {
+        loop {
+            let is_last = last.slack >= self.generous;
             let slack = SLACK_STEP * last.slack;
+            let slack = if is_last { slack } else { slack.min(self.generous) };
             let view = self.evidence.with_slack(slack);
             let grown = grow(&view, exact.fit, exact.side, &exact.units, &mut self.marks)?;
             if last.units.len() as f64 >= AS_MUCH * grown.units.len() as f64 {
                 break;
             }
+            if is_last {
+                return None;
+            }
             last = grown;
         }
-        if last.slack <= 1.0 || last.slack > self.generous {
+        if last.slack <= exact.slack {
             return None;
         }
         loosened(&self.evidence.with_slack(last.slack), last)

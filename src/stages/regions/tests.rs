@@ -436,3 +436,27 @@ fn a_bent_tube_is_whole_where_its_strips_lie_in_one_plane() {
     assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 2);
     assert_eq!(found.regions.len(), 5);
 }
+
+#[test]
+fn a_triangle_folded_over_the_next_one_at_an_apex_is_of_the_cone() {
+    let n = 24;
+    let on_cone = |step: f64, radius: f64| {
+        let angle = TAU * step / n as f64;
+        Point::new(radius * angle.cos(), radius * angle.sin(), -0.5 * radius)
+    };
+    let mut mesh = Mesh::default();
+    mesh.points.extend((0..n).map(|k| on_cone(k as f64, 10.0)));
+    // The apex, and a vertex that lies behind the border of the triangle that it divides.
+    mesh.points.extend([Point::origin(), on_cone(1.4, 5.0)]);
+    let v = VertexId::from;
+    let (apex, inner) = (v(n), v(n + 1));
+    for k in 1..n {
+        mesh.triangles.push([apex, v(k), v((k + 1) % n)]);
+    }
+    mesh.triangles.extend([[apex, v(0), inner], [v(0), v(1), inner], [v(1), apex, inner]]);
+    mesh.triangles.extend((1..n - 1).map(|k| [v(0), v(k + 1), v(k)]));
+    let (mesh, errors) = exported(mesh, Vector::new(0.3, -0.2, 0.5), NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    assert_eq!(found.regions.len(), 2, "{:?}", found.regions);
+    assert_eq!(kinds(&found, PrimitiveKind::Cone), 1);
+}

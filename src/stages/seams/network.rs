@@ -207,9 +207,8 @@ impl Work<'_> {
                 }
             }
         }
-        let is_end = |v: usize| {
-            is_junction[v] || borders[v] != 2 || self.is_contact(pair[v], v, beside[v])
-        };
+        let is_end =
+            |v: usize| is_junction[v] || borders[v] != 2 || self.is_contact(pair[v], v, beside[v]);
         (0..borders.len()).map(|v| borders[v] > 0 && is_end(v)).collect()
     }
 

@@ -141,6 +141,7 @@ fn region(
         origin,
         triangles,
         vertices,
+        slack: 1.0,
         motions: found.motions,
         covariance: found.covariance * scan.common,
     })

@@ -74,7 +74,8 @@ impl Snapping {
         let sample = |&v: &u32| FitSample { at: mesh.point(v), error: mesh.error(v) };
         let mut samples: Vec<FitSample> = region.vertices.iter().map(sample).collect();
         let errors_off = |s: &FitSample| region.surface.distance(s.at).0.abs() / s.error;
-        let looseness = samples.iter().map(errors_off).fold(MOST_ERRORS, f64::max) / MOST_ERRORS;
+        let looseness =
+            samples.iter().map(errors_off).fold(MOST_ERRORS * region.slack, f64::max) / MOST_ERRORS;
         samples.iter_mut().for_each(|s| s.error *= looseness);
         let mut errors: Vec<f64> = samples.iter().map(|s| s.error).collect();
         errors.sort_unstable_by(f64::total_cmp);
