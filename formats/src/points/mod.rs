@@ -9,6 +9,7 @@
 mod builder;
 mod column;
 mod columns;
+mod degrees;
 mod e57;
 mod grid;
 mod las;

@@ -265,3 +265,36 @@ fn lists_of_unused_columns_end() {
     let list = "not used: the columns column 4, column 5, column 6, column 7, column 8 and 4 more";
     assert_eq!(remarks, [list]);
 }
+
+#[test]
+fn degrees_are_refused() {
+    let line = |i: usize, j: usize| {
+        let [x, y, z] = place(i, j);
+        format!("{:.7} {:.7} {:.3}", 11.25 + x * 1e-5, 47.5 + y * 1e-5, 300.0 + z)
+    };
+    for text in [
+        // By the names, in any order, whatever the digits are.
+        format!("lon lat h\n{}", sheet(line)),
+        format!(
+            "# id Latitude Longitude height\n{}",
+            sheet(|i, j| format!("{} {}", 12 * i + j, joined(&[47.5, 11.25, place(i, j)[2]])))
+        ),
+        "lat,lon,alt\n47.5,11.25,3.125\n47.625,101.25,3\n".to_owned(),
+        // By the digits.
+        sheet(line),
+        format!("x y z\n{}", sheet(line)),
+    ] {
+        let error = refusal("scan.txt", text, "has coordinates in degrees");
+        assert!(error.help.contains("Project it"), "{error}");
+    }
+    let rod =
+        |i: usize, j: usize| format!("{:.3} {:.3} {}", 0.001 * i as f64, 0.001 * j as f64, 12 * i);
+    for text in [
+        // Names of degrees over lengths, a unit, and a thin rod that stands.
+        format!("lon lat h\n{}", sheet(|i, j| joined(&[500_000.0 + j as f64, i as f64, 3.0]))),
+        format!("x[m] y[m] z[m]\n{}", sheet(line)),
+        sheet(rod).replace('\n', ".125\n"),
+    ] {
+        assert_eq!(cloud("scan.txt", &text).len(), 60, "{text}");
+    }
+}

@@ -12,7 +12,7 @@ mod unit;
 
 use self::dialect::Dialect;
 use self::layout::{FirstRows, Layout};
-use super::{Columns, Note, Points, PointsBuilder, ScanEnd};
+use super::{Columns, Note, Points, PointsBuilder, ScanEnd, degrees};
 use crate::source::Source;
 use crate::token::{excerpt, number_help};
 use crate::unit_comment::UnitComments;
@@ -214,6 +214,9 @@ impl TextRows {
 
     fn finish(mut self, is_pts: bool) -> Result<Points> {
         self.check_unreadable()?;
+        if self.has_degrees() {
+            return Err(degrees::refusal(&self.source.path));
+        }
         let counts = &self.counts;
         let cloud = self.builder.cloud();
         cloud.lost.unreadable_lines = counts.unreadable + u64::from(counts.last_is_cut);
@@ -239,6 +242,23 @@ impl TextRows {
         cloud.notes.extend(notes.into_iter().flatten());
         self.builder.end_scan(ScanEnd::default())?;
         self.builder.finish()
+    }
+
+    /// Whether x and y are degrees, by their names or by their digits.
+    fn has_degrees(&mut self) -> bool {
+        let Shape { names, layout, unit, comment, .. } = &self.shape;
+        if unit.is_some() || comment.is_some() {
+            return false;
+        }
+        let positions = &self.builder.cloud().positions;
+        let axis = |column| layout.position.iter().position(|&at| at == column);
+        let named = names.as_deref().and_then(degrees::named);
+        match named.map(|columns| columns.map(axis)) {
+            Some([Some(longitude), Some(latitude)]) => {
+                degrees::are_in_range(positions, [longitude, latitude])
+            }
+            _ => degrees::are_told_by_digits(positions),
+        }
     }
 
     /// Refuses a file with too many lines that are no points.
