@@ -195,6 +195,8 @@ pub enum Note {
     },
     /// The first of four or more columns without names rises with every point, and was taken for x. It may be a time.
     FirstColumnRises,
+    /// The points are the centres of Gaussian splats, which no scanner measured on a surface.
+    Splats,
     /// A PTS, XYZ or LAS file announces another number of points than it has.
     CountDiffers {
         /// The number that the file announces.
@@ -221,6 +223,10 @@ impl fmt::Display for Note {
             Note::PointNumbers { columns: 1 } => {
                 f.write_str("the first column numbers the points or has their times; unless columns are named, it is not used")
             }
+            Note::Splats => f.write_str(
+                "the points are the centres of Gaussian splats, which were fitted to pictures and not measured on a surface; \
+                 distances from them are not distances from the object",
+            ),
             Note::FirstColumnRises => f.write_str(
                 "the first column rises with every point and was taken for x; if it has times, name the columns of x, y and z",
             ),
