@@ -306,6 +306,14 @@ fn sorted_coordinates_are_no_times() {
             }),
             true,
         ),
+        // A row of a fine raster whose heights rise by less than their last digit.
+        (
+            sheet(|i, j| {
+                let n = (12 * i + j) as f64;
+                format!("{:.3} 0.250 {:.3} 0.{:03}", 0.125 * n, 0.0004 * n, 83 * (i + j) % 100)
+            }),
+            true,
+        ),
         // Coordinates alone, far along x.
         (
             sheet(|i, j| {

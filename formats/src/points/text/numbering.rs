@@ -136,16 +136,31 @@ fn is_number([first, x, y, z]: &[ColumnSamples; 4]) -> bool {
 }
 
 /// Whether the first of four columns has the times of the points. One that rises without steps may also be x of
-/// a sorted cloud, with y, z and an intensity after it. But an intensity seldom has the digits of y and z, and x would
-/// fall back at the end of each line of a scan along it. So the three columns must have the same digits, and one of them
-/// goes from line to line of a scan while the times rise, or the times are far beyond all coordinates.
+/// a sorted cloud or of a profile, with y, z and an intensity after it. But an intensity seldom has the digits of y and z,
+/// and x would fall back at the end of each line of a scan. So the three columns must have the same digits, and two
+/// of them show the lines of a scan while the times rise, or the times are far beyond all coordinates.
 fn is_time([first, coordinates @ ..]: &[ColumnSamples; 4]) -> bool {
     let digits = coordinates[0].digits;
     let are_alike = digits > 0 && coordinates.iter().all(|column| column.digits == digits);
     let reach = coordinates.iter().map(ColumnSamples::reach).fold(0.0, f64::max);
-    first.rises()
-        && are_alike
-        && (coordinates.iter().any(ColumnSamples::is_staircase) || first.values[0] > BEYOND * reach)
+    let has_lines = || {
+        let mut stairs = coordinates.iter().filter(|column| column.is_staircase());
+        stairs.any(|stair| coordinates.iter().any(|along| has_lines(stair, along)))
+    };
+    first.rises() && are_alike && (has_lines() || first.values[0] > BEYOND * reach)
+}
+
+/// Whether one coordinate goes on one way along each line of a scan, and comes back from one line to the next or along
+/// the next one. The other one stays in a line.
+fn has_lines(stair: &ColumnSamples, along: &ColumnSamples) -> bool {
+    let mut before = 0.0;
+    let goes_one_way = stair.steps().zip(along.steps()).all(|(to_next_line, along)| {
+        let goes_on = to_next_line != 0.0 || along * before > 0.0 || before == 0.0 && along != 0.0;
+        before = if to_next_line == 0.0 { along } else { 0.0 };
+        goes_on
+    });
+    let comes_back = along.steps().any(|step| step > 0.0) && along.steps().any(|step| step < 0.0);
+    goes_one_way && comes_back
 }
 
 /// Whether the first two of five columns are the place of a point in a raster, in rows or in columns.
