@@ -41,7 +41,7 @@ impl Soup {
     /// Its points relative to an origin of whole numbers, without a loss of digits where all are decimal numbers.
     pub fn relative_to(&self, origin: [f64; 3]) -> Vec<[f64; 3]> {
         let mut points = self.points.clone();
-        match decimal_power(&points) {
+        match decimal_power(points.as_flattened().iter().copied()) {
             Some(power) => take_off_decimals(&mut points, origin, power),
             None => {
                 for point in &mut points {
@@ -77,18 +77,17 @@ pub(crate) fn origin_of_axis([low, high]: [f64; 2], extent: f64) -> f64 {
     if exact { origin } else { 0.0 }
 }
 
-/// The power of ten by which all coordinates become whole numbers, but for the error of a number of
+/// The power of ten by which all these coordinates become whole numbers, but for the error of a number of
 /// 53 bits, if there is one.
-pub(crate) fn decimal_power(positions: &[[f64; 3]]) -> Option<f64> {
-    let [low, high] = bounds(positions);
-    let reach = low.iter().chain(&high).fold(1.0, |reach: f64, x| reach.max(x.abs()));
+pub(crate) fn decimal_power(coordinates: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let reach = coordinates.clone().fold(1.0, |reach: f64, x| reach.max(x.abs()));
     let is_whole = |x: f64, power: f64| {
         let scaled = x * power;
         (scaled - rounded(scaled)).abs() <= scaled.abs() * f64::EPSILON
     };
     let powers = (0..=MOST_DIGITS).map(|digits| 10f64.powi(digits));
     let mut powers = powers.take_while(|power| BETWEEN * reach * power * f64::EPSILON < 1.0);
-    powers.find(|&power| positions.as_flattened().iter().all(|&x| is_whole(x, power)))
+    powers.find(|&power| coordinates.clone().all(|x| is_whole(x, power)))
 }
 
 /// Makes decimal numbers relative to an origin. The difference of two numbers has the error of the

@@ -12,7 +12,7 @@ const LONGEST: usize = 400;
 const APART: usize = 5;
 
 /// Words that may stand there.
-const BETWEEN: [&str; 24] = [
+const BETWEEN: [&str; 29] = [
     "is",
     "are",
     "in",
@@ -36,7 +36,12 @@ const BETWEEN: [&str; 24] = [
     "all",
     "name",
     "type",
+    "system",
     "1",
+    "ist",
+    "est",
+    "en",
+    "es",
 ];
 
 /// Words that announce the unit of what they name, if "in" or a colon follows: "all coordinates in mm".
@@ -51,6 +56,26 @@ const MEASURED: [&str; 10] = [
     "points",
     "values",
     "measured",
+];
+
+/// Words that announce a unit, in English, German, French, Italian and Spanish.
+const ANNOUNCING: [&str; 16] = [
+    "unit",
+    "units",
+    "lengthunit",
+    "lengthunits",
+    "unitname",
+    "fileunits",
+    "einheit",
+    "einheiten",
+    "längeneinheit",
+    "maßeinheit",
+    "unité",
+    "unités",
+    "unità",
+    "unidad",
+    "unidades",
+    "unitsystem",
 ];
 
 /// What the comments of a file say about its unit.
@@ -95,11 +120,8 @@ fn named(comment: &[u8]) -> Option<LengthUnit> {
     let text = String::from_utf8_lossy(comment).to_lowercase();
     let is_letter = |c: char| c.is_alphanumeric() || c == '\u{b5}';
     let words: Vec<&str> = text.split(|c| !is_letter(c)).filter(|word| !word.is_empty()).collect();
-    let is_unit_word = |word: &str| {
-        matches!(word, "unit" | "units" | "lengthunit" | "lengthunits" | "unitname" | "fileunits")
-    };
     words.iter().enumerate().find_map(|(at, word)| {
-        if is_unit_word(word) {
+        if ANNOUNCING.contains(word) {
             return after(&words[at + 1..]).or_else(|| before(&words[..at]));
         }
         let is_measured = MEASURED.contains(word) && words.get(at + 1) == Some(&"in");
@@ -116,7 +138,8 @@ fn after(words: &[&str]) -> Option<LengthUnit> {
         if *word == "in" && at + 1 == words.len() {
             return Some(LengthUnit::Inch);
         }
-        if !BETWEEN.contains(word) && !matches!(*word, "us" | "survey" | "international") {
+        let is_between = BETWEEN.contains(word) || is_one(&words[..=at]);
+        if !is_between && !matches!(*word, "us" | "survey" | "international") {
             return None;
         }
     }
@@ -138,24 +161,41 @@ fn survey(unit: LengthUnit, before: &[&str]) -> LengthUnit {
     }
 }
 
+/// Whether the last words are the number 1, perhaps with zeros after its point.
+fn is_one(words: &[&str]) -> bool {
+    let is_number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
+    let start = words.iter().rposition(|word| !is_number(word)).map_or(0, |at| at + 1);
+    match &words[start..] {
+        ["1"] => true,
+        ["1", zeros] => zeros.bytes().all(|byte| byte == b'0'),
+        _ => false,
+    }
+}
+
 /// The unit with this name. A number before it other than 1 makes it another unit.
 fn unit(word: &str, before: &[&str]) -> Option<LengthUnit> {
-    let is_number = |word: &&&str| word.starts_with(|c: char| c.is_ascii_digit());
-    if before.last().filter(is_number).is_some_and(|number| *number != "1") {
+    let is_number = |word: &&str| word.starts_with(|c: char| c.is_ascii_digit());
+    if before.last().is_some_and(is_number) && !is_one(before) {
         return None;
     }
     Some(match word {
-        "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" => {
+        "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" | "millimètre"
+        | "millimètres" | "millimetro" | "millimetri" | "milímetro" | "milímetros" => {
             LengthUnit::Millimetre
         }
-        "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" => {
-            LengthUnit::Centimetre
-        }
-        "m" | "meter" | "meters" | "metre" | "metres" => LengthUnit::Metre,
+        "cm" | "centimeter" | "centimeters" | "centimetre" | "centimetres" | "zentimeter"
+        | "centimètre" | "centimètres" | "centimetro" | "centimetri" | "centímetro"
+        | "centímetros" => LengthUnit::Centimetre,
+        "m" | "meter" | "meters" | "metre" | "metres" | "mètre" | "mètres" | "metro" | "metri"
+        | "metros" => LengthUnit::Metre,
         "um" | "\u{b5}m" | "\u{3bc}m" | "micron" | "microns" | "micrometer" | "micrometers"
-        | "micrometre" | "micrometres" => LengthUnit::Micrometre,
-        "in" | "inch" | "inches" => LengthUnit::Inch,
-        "ft" | "foot" | "feet" => LengthUnit::Foot,
+        | "micrometre" | "micrometres" | "mikrometer" | "micromètre" | "micromètres" => {
+            LengthUnit::Micrometre
+        }
+        "in" | "inch" | "inches" | "zoll" | "pouce" | "pouces" | "pollice" | "pollici"
+        | "pulgada" | "pulgadas" => LengthUnit::Inch,
+        "ft" | "foot" | "feet" | "fuß" | "fuss" | "pied" | "pieds" | "piede" | "piedi" | "pie"
+        | "pies" => LengthUnit::Foot,
         "ftus" => LengthUnit::UsSurveyFoot,
         _ => return None,
     })
@@ -185,9 +225,21 @@ mod tests {
             ("# Units: US survey feet", Some(UsSurveyFoot)),
             ("# 1 unit = 1 cm", Some(Centimetre)),
             ("# mm units", Some(Millimetre)),
+            ("# Rhino 8, unit system: Inches", Some(Inch)),
+            ("# Unit: 1 inch", Some(Inch)),
+            ("# 1 unit = 1.000 m", Some(Metre)),
+            ("# Einheit: Meter", Some(Metre)),
+            ("# Die Längeneinheit ist Zoll", Some(Inch)),
+            ("# Unités : millimètres", Some(Millimetre)),
+            ("# unidades en metros", Some(Metre)),
             // Nothing is said, or nothing that is known.
             ("# 1 unit = 10 mm", None),
+            ("# 1 unit = 1.1 m", None),
+            ("# 1 unit = 0.1 m", None),
             ("# units per meter: 1000", None),
+            ("# Scanned at 5 m distance, 12 in panel", None),
+            ("# exported in millimeters, converted from inches", None),
+            ("# Genauigkeit: 1 Zoll je Meter", None),
             ("# units: yards", None),
             ("# points in the unit sphere", None),
             ("# exported in m minor", None),

@@ -58,7 +58,7 @@ pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     let options = scan.resolved(&fitting)?;
     let (scan, components) = mesh(scan, &options, &mut progress, &mut stages)?;
     messages::assumed(&progress, &scan);
-    messages::cloud(&progress, &scan);
+    messages::cloud(&progress, &scan, components.sizeable());
     let repaired = components.repairs().clone();
     repaired.iter().for_each(|repair| messages::repaired(&progress, repair));
     let kept = stages.as_ref().map_or(0, |stages| stages.pending.len());

@@ -88,8 +88,9 @@ pub(crate) fn meshed(components: &Components) -> String {
     format!("{}, {}", plural(triangles, "triangle"), plural(components.sizeable(), "component"))
 }
 
-/// Says where a scan far from zero is measured from, and what was found in a cloud of points.
-pub(super) fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
+/// Says where a scan far from zero is measured from, and what was found in a cloud of points, of which so many
+/// components were made.
+pub(super) fn cloud(progress: &ProgressDisplay, scan: &ReadScan, components: usize) {
     if scan.source.origin_mm != [0.0; 3] {
         let [x, y, z] = scan.source.origin_mm;
         progress.say(&format!("origin: coordinates are measured from ({x}, {y}, {z}) mm"));
@@ -98,9 +99,16 @@ pub(super) fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
     let Some(mesh) = &cloud.mesh else { return };
     progress.say(&format!("points: {} apart, noise {}", mm(mesh.spacing_mm), mm(mesh.noise_mm)));
     if let Some(distance) = mesh.layers_mm {
+        // One layer may end over the other one, where the mesh goes from one to the other.
+        let joined = match components {
+            1 => {
+                "one surface holds both, and what joins them was not measured: cut one off with --box or --above"
+            }
+            _ => "they are not joined",
+        };
         progress.say(&format!(
             "layers: the points are in two layers {} apart, as the sides of a plate or scans that are not registered; \
-             they are not joined",
+             {joined}",
             mm(distance)
         ));
     }

@@ -50,7 +50,7 @@ pub struct CloudMeshFigures {
     pub spacing_mm: f64,
     /// Standard deviation of the points' noise along the normal.
     pub noise_mm: f64,
-    /// The distance between two layers of points, as those of a thin wall, which are not joined.
+    /// The distance between two layers of points, as those of a thin wall.
     pub layers_mm: Option<f64>,
     /// The distance of the places whose means stand for the points, if these are much denser than their noise lets tell.
     pub averaged_mm: Option<f64>,

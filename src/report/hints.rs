@@ -21,7 +21,12 @@ pub(super) fn of(conversion: &Conversion, source: &ScanSource, settings: &Settin
             _ => format!("component {}: ", body.input.component),
         };
         let other = settings.faces.and_then(|wanted| other_faces(body, wanted));
-        let own = body.hints.iter().cloned().chain(left_out(settings, body)).chain(beside(body));
+        let own = body
+            .hints
+            .iter()
+            .cloned()
+            .chain(left_out(settings, body))
+            .chain(beside(settings, source, body));
         let own = own.chain(other);
         hints.extend(own.map(|hint| part.clone() + &hint));
     }
@@ -158,17 +163,22 @@ fn left_out(settings: &Settings, c: &Body) -> Option<String> {
     })
 }
 
-/// A hint about pieces that touch or overlap the one that was taken.
-fn beside(c: &Body) -> Option<String> {
+/// A hint about pieces that touch or overlap the one that was taken. The mesh of a cloud was made of the points of all,
+/// so that no option joins its layers.
+fn beside(settings: &Settings, source: &ScanSource, c: &Body) -> Option<String> {
     let numbers: Vec<String> = c.input.beside.iter().map(usize::to_string).collect();
     (!numbers.is_empty()).then(|| {
         let (which, does) = match numbers.len() {
             1 => ("component", "touches or overlaps this one and is"),
             _ => ("components", "touch or overlap this one and are"),
         };
-        format!(
-            "{which} {} {does} not joined: --remesh makes one surface of the points of all; --weld LEN joins rims that meet",
-            numbers.join(", ")
-        )
+        let advice = match (&source.cloud, settings.component == Setting::Word("all")) {
+            (None, _) => {
+                ": --remesh makes one surface of the points of all; --weld LEN joins only rims whose points lie in pairs"
+            }
+            (Some(_), true) => ", as layers of points are not",
+            (Some(_), false) => ", as layers of points are not; --component all converts each of them",
+        };
+        format!("{which} {} {does} not joined{advice}", numbers.join(", "))
     })
 }

@@ -375,6 +375,12 @@ fn the_sides_of_a_plate_are_not_joined() {
         assert_eq!(found["components"], 2);
         std::fs::remove_file(&scan).unwrap();
     }
+    let out = folder.path().join("out.step");
+    let scan = write(folder.path(), "plate.xyz", plate(1.5, false));
+    let said = converted(&[arg(&scan), arg(&out)]);
+    assert!(said.contains("they are not joined"), "{said}");
+    assert!(said.contains("not joined, as layers of points are not; --component all"), "{said}");
+    assert!(!said.contains("--remesh") && !said.contains("--weld"), "{said}");
     let one = plate(0.0, false);
     assert!(inspected(&write(folder.path(), "one.xyz", one))["cloud"]["layers_mm"].is_null());
 }

@@ -29,6 +29,14 @@ impl Header {
         vertices.is_some_and(|e| e.property("packed_position").is_some())
     }
 
+    /// Whether the vertices are the centres of Gaussian splats, each with its opacity, axes and turn, as the programs of
+    /// Kerbl et al. (2023) write them.
+    pub(super) fn has_splats(&self) -> bool {
+        let vertices = self.elements.iter().find(|e| e.name == "vertex");
+        let names = ["opacity", "scale_0", "rot_0"];
+        vertices.is_some_and(|e| names.iter().all(|name| e.property(name).is_some()))
+    }
+
     /// The number of the `obj_info` line called `name`.
     pub(super) fn info(&self, name: &str) -> Option<u64> {
         self.infos.iter().find(|(n, _)| n == name).map(|&(_, number)| number)

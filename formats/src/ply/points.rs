@@ -44,6 +44,9 @@ pub(super) fn read(mut body: PlyBody, header: &Header) -> Result<Points> {
     if has_grid && grid.is_none() {
         builder.cloud().notes.push(Note::GridIgnored);
     }
+    if header.has_splats() {
+        builder.cloud().notes.push(Note::Splats);
+    }
     if let Some((unit, comment)) = &header.unit {
         builder.cloud().unit = Some(*unit);
         builder.cloud().notes.push(Note::UnitByComment { comment: comment.clone() });

@@ -259,7 +259,8 @@ impl PointsBuilder {
             return;
         }
         let is_based = self.base != [0.0; 3];
-        let power = if is_based { None } else { decimal_power(&self.points.positions) };
+        let coordinates = self.points.positions.as_flattened().iter().copied();
+        let power = if is_based { None } else { decimal_power(coordinates) };
         match power {
             Some(power) => take_off_decimals(&mut self.points.positions, origin, power),
             None => {

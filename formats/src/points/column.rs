@@ -49,6 +49,19 @@ impl Column {
     }
 }
 
+impl Column {
+    /// The axis of a column of longitudes or latitudes, by its name.
+    pub(crate) fn degrees(name: &str) -> Option<usize> {
+        let name = name.trim_matches(['"', '\'']).trim().to_ascii_lowercase();
+        let name = name.split(['(', '[']).next().unwrap_or_default().trim_end();
+        match name {
+            "lon" | "long" | "lng" | "longitude" => Some(0),
+            "lat" | "latitude" => Some(1),
+            _ => None,
+        }
+    }
+}
+
 impl Lost {
     /// Counts what `points` points had in columns of these names.
     pub(crate) fn count<'a>(&mut self, names: impl Iterator<Item = &'a str>, points: u64) {
@@ -69,6 +82,13 @@ impl Lost {
 #[cfg(test)]
 mod tests {
     use super::Column;
+
+    #[test]
+    fn longitudes_and_latitudes_are_known() {
+        for (name, axis) in [("Lon", Some(0)), ("\"latitude (deg)\"", Some(1)), ("latch", None)] {
+            assert_eq!(Column::degrees(name), axis, "{name}");
+        }
+    }
 
     #[test]
     fn names_are_known_in_any_spelling() {

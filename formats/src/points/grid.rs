@@ -4,7 +4,9 @@
 //! corner or cell, the size of the cells, and the number that stands for a cell without a height. Then come
 //! the heights, the uppermost row first. How they are spread over lines does not matter.
 
-use super::{GridShape, LeftOut, Order, Points, PointsBuilder, ScanEnd};
+use std::path::Path;
+
+use super::{GridShape, LeftOut, Order, Points, PointsBuilder, ScanEnd, degrees};
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
 use crate::{Error, Location, Result};
@@ -12,6 +14,10 @@ use crate::{Error, Location, Result};
 /// Heights are seen from above. From a place as many extents above them, all rays are parallel within half a
 /// thousandth.
 const ABOVE: f64 = 1000.0;
+
+/// A number written with six digits, as `%g` and the streams of C++ do it, differs by at most this part from what it
+/// was. The rounding to a number of 32 bits is less than that.
+const SIX_DIGITS: f64 = 5e-6;
 
 /// Whether `head` begins an ESRI ASCII grid: its first word is one of two names, and a whole number follows.
 pub(super) fn is_grid(head: &[u8]) -> bool {
@@ -50,6 +56,13 @@ impl HeightHeader {
             _ => return false,
         }
         true
+    }
+
+    /// Whether a cell has no height: its number is the one of the header, though perhaps with fewer digits, or it is the
+    /// largest of 32 bits, about which a header may be silent or more brief. No length is within a tenth of it.
+    fn is_no_data(&self, height: f64) -> bool {
+        let is_it = |no_data: f64| (height - no_data).abs() <= SIX_DIGITS * no_data.abs();
+        height.abs() > f64::from(f32::MAX) / 10.0 || self.no_data.is_some_and(is_it)
     }
 
     /// The size and the places of the raster. `None` if something is missing or cannot be.
@@ -97,6 +110,7 @@ impl HeightRaster {
 pub(super) fn read(source: Source) -> Result<Points> {
     let mut builder = PointsBuilder::new(&source.path, false);
     builder.begin_scan(true);
+    let path = source.path.clone();
     let mut reader = Reader { source, line: Vec::new(), header: HeightHeader::default(), builder };
     let more = reader.read_header()?;
     let Some(raster) = reader.header.raster() else {
@@ -106,7 +120,7 @@ pub(super) fn read(source: Source) -> Result<Points> {
     if more {
         reader.read_heights(&raster)?;
     }
-    finish(reader.builder, &raster)
+    finish(reader.builder, &raster, &path)
 }
 
 struct Reader {
@@ -145,7 +159,7 @@ impl Reader {
                     return Err(self.source.error(what, EXPORT_AGAIN));
                 }
                 let [x, y] = raster.place(cells);
-                match self.header.no_data == Some(height) {
+                match self.header.is_no_data(height) {
                     true => self.builder.leave_out(LeftOut::Marked)?,
                     false => self.builder.push([x, y, height], [0.0; 3])?,
                 }
@@ -170,7 +184,7 @@ fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     words.filter(|word| !word.is_empty() && *word != b"\x1a")
 }
 
-fn finish(mut builder: PointsBuilder, raster: &HeightRaster) -> Result<Points> {
+fn finish(mut builder: PointsBuilder, raster: &HeightRaster, path: &Path) -> Result<Points> {
     let cloud = builder.cloud();
     let top = cloud.positions.iter().map(|p| p[2]).fold(f64::NEG_INFINITY, f64::max);
     let viewpoint = top.is_finite().then(|| raster.above(top)).filter(|v| v[2].is_finite());
@@ -178,6 +192,10 @@ fn finish(mut builder: PointsBuilder, raster: &HeightRaster) -> Result<Points> {
     let shape = shape.filter(|&(rows, columns)| rows > 1 && columns > 1);
     let grid = shape.map(|(rows, columns)| GridShape { rows, columns, order: Order::Rows });
     builder.end_scan(ScanEnd { viewpoint, grid, ..ScanEnd::default() })?;
+    let cloud = builder.cloud();
+    if let Some(grid) = &cloud.scans[0].grid {
+        degrees::check_raster(path, cloud, grid, raster.axes.map(|[_, cell]| cell))?;
+    }
     builder.finish()
 }
 

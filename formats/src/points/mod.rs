@@ -9,6 +9,7 @@
 mod builder;
 mod column;
 mod columns;
+mod degrees;
 mod e57;
 mod grid;
 mod las;
@@ -189,9 +190,13 @@ pub enum Note {
     DecimalCommas,
     /// The first columns of a text file number the points. They are not used.
     PointNumbers {
-        /// One if it counts up, two for the row and the column of a raster.
+        /// One if it counts up or has times, two for the row and the column of a raster.
         columns: usize,
     },
+    /// The first of four or more columns without names rises with every point, and was taken for x. It may be a time.
+    FirstColumnRises,
+    /// The points are the centres of Gaussian splats, which no scanner measured on a surface.
+    Splats,
     /// A PTS, XYZ or LAS file announces another number of points than it has.
     CountDiffers {
         /// The number that the file announces.
@@ -216,8 +221,15 @@ impl fmt::Display for Note {
                 f.write_str("the file names no unit; programs usually write metres here")
             }
             Note::PointNumbers { columns: 1 } => {
-                f.write_str("the first column numbers the points; unless columns are named, it is not used")
+                f.write_str("the first column numbers the points or has their times; unless columns are named, it is not used")
             }
+            Note::Splats => f.write_str(
+                "the points are the centres of Gaussian splats, which were fitted to pictures and not measured on a surface; \
+                 distances from them are not distances from the object",
+            ),
+            Note::FirstColumnRises => f.write_str(
+                "the first column rises with every point and was taken for x; if it has times, name the columns of x, y and z",
+            ),
             Note::PointNumbers { .. } => f.write_str(
                 "the first two columns number the points in a raster; unless columns are named, they are not used",
             ),

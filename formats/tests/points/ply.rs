@@ -90,3 +90,21 @@ fn meshes_without_faces_are_clouds() {
         assert_eq!((cloud.len(), cloud.lost.not_finite), (2, 1));
     }
 }
+
+#[test]
+fn centres_of_splats_are_no_measured_points() {
+    let splats = |names: [&str; 3]| {
+        let properties = names.map(|name| format!("property float {name}\n")).concat();
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
+             property float f_dc_0\n{properties}end_header\n1 2 3 0 0 0 0\n4 5 6 0 0 0 0\n"
+        )
+    };
+    let cloud_of = |names| cloud("scan.ply", splats(names));
+    let [centres, points] =
+        [["opacity", "scale_0", "rot_0"], ["opacity", "scale", "curvature"]].map(cloud_of);
+    assert_eq!(centres.notes, [Note::Splats]);
+    assert!(centres.remarks().iter().any(|remark| remark.contains("centres of Gaussian splats")));
+    assert!(points.notes.is_empty());
+    assert_eq!(places(&centres), [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+}

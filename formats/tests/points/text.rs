@@ -208,8 +208,13 @@ fn coordinates_are_no_numbers_of_points() {
         sheet(|i, j| format!("{j} {i} {} 17", height(i, j))),
         sheet(|i, j| format!("{i} {j} {} 10 200 30", height(i, j))),
         sheet(|i, j| format!("{i} {j} {} 0 0.6 0.8", height(i, j))),
-        // Whole coordinates that are sorted.
-        sheet(|i, j| format!("{} {} 5 {}", 3 * (12 * i + j), 17 * j % 12, 7 * j % 5)),
+        // With an intensity and a class, or two.
+        sheet(|i, j| format!("{i} {j} {:.4} 0.{:03} {}", height(i, j), 83 * (i * j) % 100, j % 3)),
+        sheet(|i, j| {
+            format!("{i} {j} {:.4} 0.{:03} 1 {}", height(i, j), 83 * (i * j) % 100, j % 3)
+        }),
+        // Whole coordinates that are sorted, but for one.
+        sheet(|i, j| format!("{} {} 5 {}", 3 * (12 * i + j) % 177, 17 * j % 12, 7 * j % 5)),
         // Coordinates alone.
         sheet(|i, j| format!("{} {i} {}", 12 * i + j, height(i, j))),
     ] {
@@ -218,6 +223,111 @@ fn coordinates_are_no_numbers_of_points() {
         let first: Vec<f64> =
             text.split_whitespace().take(3).map(|x| x.parse().expect("a number")).collect();
         assert_eq!(places(&cloud)[0][..], first, "{text}");
+    }
+}
+
+#[test]
+fn times_of_points_are_no_coordinates() {
+    let all: Vec<[f64; 3]> = (0..60).map(|n| place(n / 12, n % 12)).collect();
+    let [time, week] = [0.1, 345_600.0].map(|start| {
+        move |i: usize, j: usize| start + 0.033 * (12 * i + j) as f64 + 0.001 * (j % 3) as f64
+    });
+    let at = |i: usize, j: usize| place(i, j).map(|x| format!("{x:.4}")).join(" ");
+    // A scan in lines along x, whatever the times are; one in no order, whose times are in seconds of the week; several
+    // echoes of each pulse; and a name.
+    let turned = |i: usize, j: usize| (5 * i + j * j) % 12;
+    for text in [
+        sheet(|i, j| format!("{:.4} {}", time(i, j), at(i, j))),
+        sheet(|i, j| format!("{:.2} {} 17", time(i, j), at(i, j))),
+        sheet(|i, j| format!("{} {} 10 200 30", week(i, j), at(i, turned(i, j)))),
+        sheet(|i, j| format!("{:.4} {}", week(i, j - (j % 3).min(1)), at(i, j))),
+        format!("Time, a, b, c\n{}", sheet(|i, j| format!("{} {}", 7 * (j % 2), at(i, j)))),
+    ] {
+        let cloud = cloud("scan.txt", &text);
+        assert_eq!(cloud.notes, [Note::PointNumbers { columns: 1 }], "{text}");
+        let is_place =
+            |p: &[f64; 3]| all.iter().any(|q| (0..3).all(|axis| (p[axis] - q[axis]).abs() < 1e-4));
+        assert!(places(&cloud).iter().all(is_place), "{text}");
+    }
+}
+
+#[test]
+fn sorted_coordinates_are_no_times() {
+    let height = |i: usize, j: usize| place(i, j)[2];
+    let x = |i: usize, j: usize| 0.125 * (12 * i + j) as f64 + 0.01 * (j as f64).sin();
+    for (text, may_be_times) in [
+        // A cloud in the order of its x, with an intensity or colours.
+        (
+            sheet(|i, j| {
+                format!(
+                    "{:.3} {:.3} {:.3} 0.{:03}",
+                    x(i, j),
+                    0.5 * (7 * j % 12) as f64,
+                    height(i, j),
+                    41 * j
+                )
+            }),
+            true,
+        ),
+        (
+            sheet(|i, j| {
+                format!("{:.3} {:.3} {:.3} 9 8 7", x(i, j), 0.5 * (7 * j % 12) as f64, height(i, j))
+            }),
+            true,
+        ),
+        // A raster along x or along y, with an intensity, and one whose x moves while y does.
+        (
+            sheet(|i, j| {
+                format!(
+                    "{:.3} {:.3} {:.3} 0.{:02}",
+                    0.5 * j as f64,
+                    0.5 * i as f64,
+                    height(i, j),
+                    7 * j
+                )
+            }),
+            false,
+        ),
+        (
+            sheet(|i, j| {
+                format!(
+                    "{:.3} {:.3} {:.3} 0.{:02}",
+                    0.5 * i as f64,
+                    0.5 * j as f64,
+                    height(i, j),
+                    7 * j
+                )
+            }),
+            false,
+        ),
+        (
+            sheet(|i, j| {
+                format!("{:.3} {:.3} {:.3} 0.{:02}", x(i, j), 0.5 * j as f64, height(i, j), 7 * j)
+            }),
+            true,
+        ),
+        // A row of a fine raster whose heights rise by less than their last digit.
+        (
+            sheet(|i, j| {
+                let n = (12 * i + j) as f64;
+                format!("{:.3} 0.250 {:.3} 0.{:03}", 0.125 * n, 0.0004 * n, 83 * (i + j) % 100)
+            }),
+            true,
+        ),
+        // Coordinates alone, far along x.
+        (
+            sheet(|i, j| {
+                format!("{:.3} {:.3} {:.3}", 5000.0 + x(i, j), 0.5 * j as f64, height(i, j))
+            }),
+            false,
+        ),
+    ] {
+        let cloud = cloud("scan.txt", &text);
+        let first: Vec<f64> =
+            text.split_whitespace().take(3).map(|x| x.parse().expect("a number")).collect();
+        assert_eq!(places(&cloud)[0][..], first, "{text}");
+        let notes = if may_be_times { vec![Note::FirstColumnRises] } else { Vec::new() };
+        assert_eq!(cloud.notes, notes, "{text}");
     }
 }
 
@@ -264,4 +374,37 @@ fn lists_of_unused_columns_end() {
     let remarks = cloud("scan.txt", text).remarks();
     let list = "not used: the columns column 4, column 5, column 6, column 7, column 8 and 4 more";
     assert_eq!(remarks, [list]);
+}
+
+#[test]
+fn degrees_are_refused() {
+    let line = |i: usize, j: usize| {
+        let [x, y, z] = place(i, j);
+        format!("{:.7} {:.7} {:.3}", 11.25 + x * 1e-5, 47.5 + y * 1e-5, 300.0 + z)
+    };
+    for text in [
+        // By the names, in any order, whatever the digits are.
+        format!("lon lat h\n{}", sheet(line)),
+        format!(
+            "# id Latitude Longitude height\n{}",
+            sheet(|i, j| format!("{} {}", 12 * i + j, joined(&[47.5, 11.25, place(i, j)[2]])))
+        ),
+        "lat,lon,alt\n47.5,11.25,3.125\n47.625,101.25,3\n".to_owned(),
+        // By the digits.
+        sheet(line),
+        format!("x y z\n{}", sheet(line)),
+    ] {
+        let error = refusal("scan.txt", text, "has coordinates in degrees");
+        assert!(error.help.contains("Project it"), "{error}");
+    }
+    let rod =
+        |i: usize, j: usize| format!("{:.3} {:.3} {}", 0.001 * i as f64, 0.001 * j as f64, 12 * i);
+    for text in [
+        // Names of degrees over lengths, a unit, and a thin rod that stands.
+        format!("lon lat h\n{}", sheet(|i, j| joined(&[500_000.0 + j as f64, i as f64, 3.0]))),
+        format!("x[m] y[m] z[m]\n{}", sheet(line)),
+        sheet(rod).replace('\n', ".125\n"),
+    ] {
+        assert_eq!(cloud("scan.txt", &text).len(), 60, "{text}");
+    }
 }

@@ -17,20 +17,13 @@ use self::crs::CrsUnit;
 use self::header::LasHeader;
 use self::packed::PackedPoints;
 use self::records::LasPoints;
+use super::degrees::{self, FINER, PROJECT};
 use super::{Note, Points, PointsBuilder, ReadOptions, ScanEnd};
 use crate::source::Source;
 use crate::{Error, LengthUnit, Result};
 
 /// The first bytes of every file.
 pub(super) const SIGNATURE: &[u8] = b"LASF";
-
-/// Without a coordinate system, coordinates are taken for degrees if they are in the range
-/// of longitudes and latitudes and the steps of the plane are so many times finer than those
-/// of the heights. Lengths have the same steps in all directions, or finer heights.
-const FINER: f64 = 100.0;
-
-const PROJECT: &str =
-    "Project it to a system with coordinates in metres, for example with PDAL or QGIS.";
 
 pub(super) fn read(mut source: Source, options: &ReadOptions) -> Result<Points> {
     let mut header = header::read(&mut source)?;
@@ -82,7 +75,7 @@ fn finish(source: &Source, header: LasHeader, mut points: LasPoints, found: u64)
     let prefers_text = format.is_extended;
     let mut unit = crs::unit(header.records, prefers_text);
     let cloud = points.builder.cloud();
-    if unit == CrsUnit::Unknown && is_fine && are_degrees(&cloud.positions) {
+    if unit == CrsUnit::Unknown && is_fine && degrees::are_in_range(&cloud.positions, [0, 1]) {
         unit = CrsUnit::Degrees;
     }
     cloud.unit = Some(length_unit(source, unit)?);
@@ -111,10 +104,6 @@ fn finish(source: &Source, header: LasHeader, mut points: LasPoints, found: u64)
     cloud.lost.columns = others.map(|(_, name)| name.to_owned()).collect();
     points.builder.end_scan(ScanEnd::default())?;
     points.builder.finish()
-}
-
-fn are_degrees(positions: &[[f64; 3]]) -> bool {
-    positions.iter().all(|[x, y, _]| x.abs() <= 180.0 && y.abs() <= 90.0)
 }
 
 fn length_unit(source: &Source, unit: CrsUnit) -> Result<LengthUnit> {

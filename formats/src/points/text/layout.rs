@@ -56,7 +56,7 @@ impl Layout {
     /// The layout by the custom of programs that write no names. Before the coordinates may stand a number of
     /// the point, or two. After them come a normal if three columns have unit length, an intensity
     /// if there is one column or four, and a colour.
-    pub(super) fn by_custom(rows: &FirstRows) -> Option<Layout> {
+    pub(super) fn by_custom(rows: &FirstRows, names: Option<&[String]>) -> Option<Layout> {
         let count = rows.numbers.first()?.len();
         let normal_after = |skipped: usize| {
             let mut places = [skipped + 3, skipped + 6].into_iter();
@@ -64,7 +64,7 @@ impl Layout {
         };
         let numbering = match normal_after(0) {
             Some(_) => 0,
-            None => numbering::columns(rows),
+            None => numbering::columns(rows, names),
         };
         let first = numbering + 3;
         let normal = normal_after(numbering);

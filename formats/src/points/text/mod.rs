@@ -12,7 +12,7 @@ mod unit;
 
 use self::dialect::Dialect;
 use self::layout::{FirstRows, Layout};
-use super::{Columns, Note, Points, PointsBuilder, ScanEnd};
+use super::{Columns, Note, Points, PointsBuilder, ScanEnd, degrees};
 use crate::source::Source;
 use crate::token::{excerpt, number_help};
 use crate::unit_comment::UnitComments;
@@ -64,7 +64,7 @@ pub(super) fn read(mut source: Source, is_pts: bool, chosen: Option<&Columns>) -
     builder.begin_scan(false);
     let mut rows = TextRows { source, shape, builder, counts: Counts::default() };
     rows.read()?;
-    rows.finish(is_pts)
+    rows.finish(is_pts, chosen.is_some())
 }
 
 fn no_points(source: &mut Source) -> Result<crate::Error> {
@@ -122,7 +122,10 @@ impl Shape {
         let mut layouts = named.iter().filter_map(|names| Some((names, Layout::by_names(names)?)));
         let (names, layout) = match layouts.next_back() {
             Some((names, layout)) => (Some(names.clone()), layout),
-            None => (named.last().cloned(), Layout::by_custom(&rows)?),
+            None => {
+                let names = named.last();
+                (names.cloned(), Layout::by_custom(&rows, names.map(Vec::as_slice))?)
+            }
         };
         let comment = comments.unit().filter(|_| unit.is_none());
         Some(Shape { dialect, layout, names, unit, comment, mixes_commas })
@@ -212,8 +215,11 @@ impl TextRows {
         }
     }
 
-    fn finish(mut self, is_pts: bool) -> Result<Points> {
+    fn finish(mut self, is_pts: bool, is_chosen: bool) -> Result<Points> {
         self.check_unreadable()?;
+        if self.has_degrees() {
+            return Err(degrees::refusal(&self.source.path));
+        }
         let counts = &self.counts;
         let cloud = self.builder.cloud();
         cloud.lost.unreadable_lines = counts.unreadable + u64::from(counts.last_is_cut);
@@ -221,6 +227,12 @@ impl TextRows {
         cloud.lost.count(others, counts.points);
         let (of_comment, comment) = self.shape.comment.unzip();
         let unit = self.shape.unit.or(of_comment);
+        let may_be_times = !is_chosen && self.shape.names.is_none() && self.shape.layout.count > 3;
+        let may_be_times = may_be_times
+            && self.shape.layout.position[0] == 0
+            && cloud.normals.is_none()
+            && cloud.len() >= numbering::LEAST_ROWS
+            && cloud.positions.is_sorted_by(|a, b| a[0] < b[0]);
         let by_custom = is_pts && unit.is_none();
         cloud.unit = unit.or(by_custom.then_some(LengthUnit::Metre));
         let found = counts.points;
@@ -233,12 +245,30 @@ impl TextRows {
                 columns => Some(Note::PointNumbers { columns }),
             },
             self.shape.dialect.decimal_commas.then_some(Note::DecimalCommas),
+            may_be_times.then_some(Note::FirstColumnRises),
             count.map(|announced| Note::CountDiffers { announced, found }),
             counts.last_is_cut.then_some(Note::LastLineCut),
         ];
         cloud.notes.extend(notes.into_iter().flatten());
         self.builder.end_scan(ScanEnd::default())?;
         self.builder.finish()
+    }
+
+    /// Whether x and y are degrees, by their names or by their digits.
+    fn has_degrees(&mut self) -> bool {
+        let Shape { names, layout, unit, comment, .. } = &self.shape;
+        if unit.is_some() || comment.is_some() {
+            return false;
+        }
+        let positions = &self.builder.cloud().positions;
+        let axis = |column| layout.position.iter().position(|&at| at == column);
+        let named = names.as_deref().and_then(degrees::named);
+        match named.map(|columns| columns.map(axis)) {
+            Some([Some(longitude), Some(latitude)]) => {
+                degrees::are_in_range(positions, [longitude, latitude])
+            }
+            _ => degrees::are_told_by_digits(positions),
+        }
     }
 
     /// Refuses a file with too many lines that are no points.
