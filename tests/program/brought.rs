@@ -376,7 +376,7 @@ fn the_sides_of_a_plate_are_not_joined() {
         std::fs::remove_file(&scan).unwrap();
     }
     let out = folder.path().join("out.step");
-    let scan = write(folder.path(), "plate.xyz", plate(1.5, false));
+    let scan = write(folder.path(), "plate.xyz", plate(0.8, false));
     let said = converted(&[arg(&scan), arg(&out)]);
     assert!(said.contains("they are not joined"), "{said}");
     assert!(said.contains("not joined, as layers of points are not; --component all"), "{said}");
