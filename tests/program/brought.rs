@@ -1,12 +1,14 @@
 //! What people bring: files of other kinds, places and names than a converter expects. None of them goes wrong in
 //! silence.
 
+use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::common::random::Random;
 use crate::common::{
-    arg, check, checked, convert, converted, files, fixture, inspect, inspected, json, shared,
+    arg, check, checked, convert, converted, files, fixture, inspect, inspected, json, number,
+    shared,
 };
 use serde_json::Value;
 
@@ -412,4 +414,39 @@ fn sheets_that_overlap_are_named_and_become_one() {
     let report = json(&report);
     assert_eq!(report["input"]["components"], 1);
     assert!(report["shape"]["kind"] == "face", "{}", report["shape"]);
+}
+
+/// A pipe along z from 0 to 80 with a radius of 22, open at both ends, with normal noise of 0.03.
+fn noisy_pipe(seed: u64) -> String {
+    const AROUND: usize = 100;
+    const ALONG: usize = 60;
+    let mut random = Random(seed);
+    let mut noise = || 0.03 * ((0..12).map(|_| random.share()).sum::<f64>() - 6.0);
+    let mut text = String::new();
+    for n in 0..AROUND * ALONG {
+        let angle = TAU * (n % AROUND) as f64 / AROUND as f64;
+        let z = 80.0 * (n / AROUND) as f64 / (ALONG - 1) as f64;
+        let p = [22.0 * angle.cos() + noise(), 22.0 * angle.sin() + noise(), z + noise()];
+        text += &format!("v {:.5} {:.5} {:.5}\n", p[0], p[1], p[2]);
+    }
+    for n in 0..AROUND * (ALONG - 1) {
+        let next = n - n % AROUND + (n + 1) % AROUND;
+        let [a, b, c, d] = [n, next, next + AROUND, n + AROUND].map(|v| v + 1);
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    text
+}
+
+/// The borders of faces near a rim are bent where the net turns around the rim, and so is a straight line between parameter points.
+#[test]
+fn ends_of_noisy_pipes_lie_on_their_rims() {
+    let folder = folder();
+    let out = folder.path().join("out.step");
+    for seed in [1, 2, 3] {
+        let scan = write(folder.path(), "pipe.obj", noisy_pipe(seed));
+        converted(&[arg(&scan), arg(&out)]);
+        let found = checked(&out, &scan);
+        let [low, high] = [0, 1].map(|k| number(&found, &format!("/cad/bounds_mm/{k}/2")));
+        assert!(low.abs() < 0.15 && (high - 80.0).abs() < 0.15, "{seed}: {low} to {high}");
+    }
 }

@@ -80,8 +80,8 @@ fn ends_of_pipes_lie_on_their_rims() {
     report(folder.path(), &scan, &[]);
     let found = checked(&folder.path().join("out.step"), &scan);
     let [low, high] = [0, 1].map(|k| number(&found["cad"]["bounds_mm"][k][2]));
-    // The aim is 0.06 mm. It was up to 0.49 mm.
-    assert!(low.abs() < 0.25 && (high - 100.0).abs() < 0.25, "{low} to {high}");
+    // The aim is 0.06 mm. It was up to 0.49 mm, then 0.21 mm.
+    assert!(low.abs() < 0.2 && (high - 100.0).abs() < 0.2, "{low} to {high}");
 }
 
 #[test]

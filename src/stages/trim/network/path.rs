@@ -6,7 +6,7 @@
 use super::places::{NetworkPlace, NetworkPlaces};
 use super::{MOST_HALVINGS, NetworkRim};
 use crate::geometry::{Point, Uv, Vector, segment_distance};
-use crate::spline::{Network, SideUse};
+use crate::spline::{Network, SideUse, foot_point};
 
 /// The least distance of a crossing from the ends of a track and from other crossings, as a share of
 /// the track. Shorter edges would be slivers. It is less where a rim leaves less room than this.
@@ -94,8 +94,9 @@ impl<'a> NetworkPaths<'a> {
         self.places.nearest_surface(p)
     }
 
-    /// Adds the steps between two vertices. The line between them is halved where it crosses no track, or where
-    /// it would be farther than `room` mm from the crossing, at most so often.
+    /// Adds the steps between two vertices. The line between them is halved where it crosses no track, where
+    /// it would be farther than `room` mm from the crossing, and where the straight line between their parameter points is so far
+    /// from it, at most so often.
     fn connect(
         &self,
         a: &PlacedVertex,
@@ -103,7 +104,19 @@ impl<'a> NetworkPaths<'a> {
         (room, halvings): (f64, usize),
         steps: &mut Vec<PathStep>,
     ) -> Option<()> {
-        if a.place.face == b.place.face {
+        let p = nalgebra::center(&a.p, &b.p);
+        let normal = a.normal + b.normal;
+        let face = a.place.face;
+        if face == b.place.face {
+            let surface = &self.network.surfaces[face];
+            let straight = a.place.at + (b.place.at - a.place.at) * 0.5;
+            let (at, _) = foot_point(surface, p, straight);
+            if halvings > 0 && (surface.point(at) - surface.point(straight)).norm() > room {
+                let middle = PlacedVertex { place: NetworkPlace { face, at }, p, normal };
+                self.connect(a, &middle, (room, halvings - 1), steps)?;
+                steps.push(PathStep::Vertex(middle));
+                self.connect(&middle, b, (room, halvings - 1), steps)?;
+            }
             return Some(());
         }
         let is_far = |of: &[Crossing]| {
@@ -121,8 +134,6 @@ impl<'a> NetworkPaths<'a> {
             steps.extend(crossings.into_iter().map(PathStep::Crossing));
             return Some(());
         }
-        let p = nalgebra::center(&a.p, &b.p);
-        let normal = a.normal + b.normal;
         let middle = PlacedVertex { place: self.places.nearest(p, normal)?, p, normal };
         let halvings = halvings.checked_sub(1)?;
         self.connect(a, &middle, (room, halvings), steps)?;
