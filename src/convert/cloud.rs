@@ -9,7 +9,7 @@ use formats::{Points, Soup};
 use super::Options;
 use crate::error::Result;
 use crate::geometry::Point;
-use crate::mesh::{self, Components, RawPoints};
+use crate::mesh::{self, Components, FileRounding, RawPoints};
 use crate::progress::Progress;
 use crate::stages::cloud::{self, Report};
 use crate::stages::crop;
@@ -46,10 +46,11 @@ pub fn mesh_components(soup: &Soup, options: &Options) -> Result<Components> {
         left.for_each(|corners| polygons.push(corners.iter().copied()));
         soup = Cow::Owned(Soup { polygons, ..soup.into_owned() });
     }
+    let step = FileRounding::largest_step(&soup);
     if origin != [0.0; 3] {
         soup = Cow::Owned(Soup { points: soup.relative_to(origin), ..soup.into_owned() });
     }
-    let build = mesh::from_soup_joined(&soup, unit, options.weld)?;
+    let build = mesh::from_soup_joined(&soup, unit, options.weld, step)?;
     let components = Components::new(build).measured_from(origin.map(|x| unit * x));
     Ok(components.with_handles(options.handles))
 }
