@@ -3,7 +3,8 @@
 use formats::Soup;
 
 use super::Build;
-use crate::geometry::{NONE, Point, SAMPLE, bounds};
+use crate::geometry::{NONE, Point, SAMPLE, Vector, bounds};
+use crate::statistics::median;
 
 /// What a modelling kernel itself leaves open, as a share of the diagonal of the part. Kernels work to 1e-7 mm on
 /// parts of about 100 mm, whatever the unit of the file.
@@ -99,6 +100,23 @@ impl FileRounding {
         let counted = || Some(places(from_first())? - exponent(largest));
         let decimals = places(numbers.clone()).or_else(counted);
         decimals.map_or(single, |places| single.max(10f64.powi(-places)))
+    }
+
+    /// The median side of the polygons of a soup, if the largest numbers are in coarser steps (`step`), so that
+    /// neighbours change places. Heights may be in such steps along the axis that most of the area faces.
+    pub(crate) fn lost_side(soup: &Soup, step: f64) -> Option<f64> {
+        let every = soup.polygons.len().div_ceil(SAMPLE).max(1);
+        let (mut sides, mut area, mut farthest) = (Vec::new(), Vector::zeros(), Vector::zeros());
+        for corners in soup.polygons.iter().step_by(every) {
+            let Some(&[a, b, c]) = corners.first_chunk() else { continue };
+            let at = |v: u32| soup.points.get(v as usize).map(|p| Point::from(*p));
+            let (Some(a), Some(b), Some(c)) = (at(a), at(b), at(c)) else { continue };
+            sides.extend([(b - a).norm(), (c - b).norm()].iter().filter(|&&side| side > 0.0));
+            area += (b - a).cross(&(c - a)).abs();
+            farthest = farthest.sup(&a.coords.abs());
+        }
+        let side = median(&mut sides)?;
+        (side < step && area.imax() != farthest.imax()).then_some(side)
     }
 
     /// The bound of the error of one number.
