@@ -7,7 +7,7 @@ use faer::sparse::linalg::{LltError, LuError};
 
 use crate::geometry::{Bound, Point};
 use crate::rules;
-use crate::words::{bytes, grouped, plural};
+use crate::words::{self, bytes, grouped, plural};
 
 /// A result of the pipeline.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -46,6 +46,17 @@ pub enum Error {
     /// A part is to be turned to its main plane and axis, but there are none.
     #[error("cannot be aligned, as {0}")]
     Unaligned(String),
+    /// The numbers of a mesh are in steps that are longer than its edges, in mm.
+    #[error(
+        "the coordinates are so far from zero for their digits that they are in steps of {}, which are longer than most \
+         edges ({})", words::mm(*step), words::mm(*edge)
+    )]
+    Coarse {
+        /// The distance between a number and the next one.
+        step: f64,
+        /// The median edge.
+        edge: f64,
+    },
     /// No triangle is left once unusable ones are dropped.
     #[error("no usable triangle: {0}")]
     Empty(String),
@@ -418,6 +429,9 @@ impl Error {
             | Error::Splines { error, .. } => error.help(),
             Error::Unaligned(_) => {
                 "leave out `align`, and turn the part in CAD; or let the whole part be scanned".into()
+            }
+            Error::Coarse { .. } => {
+                "export the mesh again with more digits (numbers of 64 bits), or measured from a point near to it".into()
             }
             Error::Empty(_) => {
                 "check the export: the scan must be a triangle mesh with finite coordinates".into()

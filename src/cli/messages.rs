@@ -175,7 +175,7 @@ pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     }
     if let Some(step) = c.smooth.height_step {
         progress.say(&format!(
-            "steps: all heights along one axis are multiples of {}, which is taken for noise",
+            "steps: the heights along one axis are in steps of {}, which are taken for noise",
             mm(step)
         ));
     }

@@ -61,15 +61,15 @@ pub struct Build {
 /// - [`Error::Option`] if the unit is not a length.
 /// - [`Error::Input`] if a polygon has a corner that is not among the points.
 pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
-    from_soup_joined(soup, mm, SeamWidth::Fixed(0.0))
+    from_soup_joined(soup, mm, SeamWidth::Fixed(0.0), 0.0)
 }
 
 /// The same with blocks joined along their common rims, whose points are no farther from each other than
-/// `width`.
+/// `width`. The largest numbers of the file are in steps of `step` ([`FileRounding::largest_step`](super::FileRounding::largest_step)).
 ///
 /// # Errors
 /// Those of [`from_soup`].
-pub(crate) fn from_soup_joined(soup: &Soup, mm: f64, width: SeamWidth) -> Result<Build> {
+pub(crate) fn from_soup_joined(soup: &Soup, mm: f64, width: SeamWidth, step: f64) -> Result<Build> {
     rules::length(mm).map_err(of("unit"))?;
     if soup.polygons.iter().flatten().any(|&corner| corner as usize >= soup.points.len()) {
         return Err(Error::Input("a polygon has a corner that is not among the points"));
@@ -86,7 +86,7 @@ pub(crate) fn from_soup_joined(soup: &Soup, mm: f64, width: SeamWidth) -> Result
     let mut triangles = polygons::triangulate(soup, &welded, &mut repairs);
     drop_degenerate(&mut triangles, &mut repairs);
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
-    let width = (width, mm / factor);
+    let width = (width, step * factor, mm / factor);
     let place = (0..welded.points.len() as u32).collect();
     let mut build = Build::new(Mesh { points: welded.points, triangles }, place, mm / factor);
     let Build { mesh, edges, .. } = &mut build;

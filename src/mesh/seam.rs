@@ -17,8 +17,8 @@ use crate::geometry::{Point, VertexId};
 /// by tenths of an edge, and those of other roundings by millionths.
 const SAME: f64 = 1e-3;
 
-/// Or less than so many steps of numbers of 32 bits, in which both may be rounded once in a transform and
-/// once in the file.
+/// Or less than so many steps of the file's numbers. Both points may be rounded once in a transform and once in the
+/// file, so that they are two steps apart along each of three axes.
 const STEPS: f64 = 4.0;
 
 /// But no more than this share of the shortest edge, so that no chain of joined points takes a triangle away.
@@ -36,12 +36,12 @@ pub(crate) enum SeamWidth {
 
 /// Joins points on rims, and returns whether there were any to join. Of those that are joined, each has the number of
 /// the first one afterwards. `number` has the point of each point of the file. The unit of the points is `mm`
-/// millimetres long.
+/// millimetres long, and the largest numbers of their file are in steps of `step` of them.
 pub(super) fn join_rims(
     mesh: &mut Mesh,
     edges: &EdgeMap,
     number: &mut [u32],
-    (width, mm): (SeamWidth, f64),
+    (width, step, mm): (SeamWidth, f64, f64),
     repairs: &mut Repairs,
 ) -> bool {
     if width == SeamWidth::Fixed(0.0) {
@@ -50,7 +50,6 @@ pub(super) fn join_rims(
     let Mesh { points, triangles } = mesh;
     let rims = rims(triangles, edges);
     let shortest = shortest_edges(points, triangles, &rims);
-    let step = single_step(points);
     let reach = |v: u32| {
         let edge = shortest[v as usize];
         let wanted = match width {
@@ -112,21 +111,13 @@ fn shortest_edges(points: &[Point], triangles: &[[VertexId; 3]], rims: &[u32]) -
     shortest
 }
 
-/// The distance of the largest coordinate from the next number of 32 bits. 0 if not all numbers are such.
-fn single_step(points: &[Point]) -> f64 {
-    let mut largest = 0.0;
-    for &x in points.iter().flat_map(|p| p.iter()) {
-        if f64::from(x as f32) != x {
-            return 0.0;
-        }
-        largest = x.abs().max(largest);
-    }
-    largest * f64::from(f32::EPSILON)
-}
-
 #[cfg(test)]
 mod tests {
+    use formats::Soup;
+
     use super::*;
+    use crate::geometry::random::scattered;
+    use crate::mesh::{FileRounding, from_soup_joined};
 
     /// Two squares of two triangles beside each other. The common side of the second is moved by `off`.
     fn squares(off: f64) -> Mesh {
@@ -137,16 +128,16 @@ mod tests {
         Mesh { points, triangles: triangles.map(|t| t.map(VertexId)).to_vec() }
     }
 
-    fn join(mesh: &mut Mesh, number: &mut [u32], width: (SeamWidth, f64)) -> Repairs {
+    fn join(mesh: &mut Mesh, number: &mut [u32], width: (SeamWidth, f64, f64)) -> Repairs {
         let (edges, mut repairs) = (EdgeMap::new(mesh), Repairs::new());
         join_rims(mesh, &edges, number, width, &mut repairs);
         repairs
     }
 
-    fn joined(off: f64, width: SeamWidth) -> Option<usize> {
+    fn joined(off: f64, width: SeamWidth, step: f64) -> Option<usize> {
         let mut mesh = squares(off);
         let mut number: Vec<u32> = (0..8).collect();
-        let repairs = join(&mut mesh, &mut number, (width, 10.0));
+        let repairs = join(&mut mesh, &mut number, (width, step, 10.0));
         if repairs.contains_key("joined_rim_vertices") {
             assert_eq!(number, [0, 1, 2, 3, 1, 5, 6, 2]);
             assert_eq!(mesh.triangles[2..], [[1, 5, 6], [1, 6, 2]].map(|t| t.map(VertexId)));
@@ -156,13 +147,17 @@ mod tests {
 
     #[test]
     fn rims_far_nearer_than_their_edges_are_joined() {
-        assert_eq!(joined(1e-6, SeamWidth::Auto), Some(2));
-        assert_eq!(joined(-5e-4, SeamWidth::Auto), Some(2));
-        assert_eq!(joined(1e-2, SeamWidth::Auto), None);
-        assert_eq!(joined(1e-6, SeamWidth::Fixed(0.0)), None);
-        assert_eq!(joined(1e-2, SeamWidth::Fixed(0.5)), Some(2));
-        assert_eq!(joined(1e-2, SeamWidth::Fixed(0.05)), None);
-        assert_eq!(joined(0.3, SeamWidth::Fixed(1e9)), None);
+        assert_eq!(joined(1e-6, SeamWidth::Auto, 0.0), Some(2));
+        assert_eq!(joined(-5e-4, SeamWidth::Auto, 0.0), Some(2));
+        assert_eq!(joined(1e-2, SeamWidth::Auto, 0.0), None);
+        assert_eq!(joined(1e-6, SeamWidth::Fixed(0.0), 0.0), None);
+        assert_eq!(joined(1e-2, SeamWidth::Fixed(0.5), 0.0), Some(2));
+        assert_eq!(joined(1e-2, SeamWidth::Fixed(0.05), 0.0), None);
+        assert_eq!(joined(0.3, SeamWidth::Fixed(1e9), 0.0), None);
+        // A few steps of the file's numbers, but no more than a quarter of an edge.
+        assert_eq!(joined(1e-2, SeamWidth::Auto, 1e-2), Some(2));
+        assert_eq!(joined(5e-2, SeamWidth::Auto, 1e-2), None);
+        assert_eq!(joined(0.3, SeamWidth::Auto, 0.2), None);
     }
 
     #[test]
@@ -175,8 +170,48 @@ mod tests {
         let mut mesh = Mesh { points, triangles };
         let mut number: Vec<u32> = (0..5).collect();
         let before = mesh.triangles[..2].to_vec();
-        join(&mut mesh, &mut number, (SeamWidth::Auto, 1.0));
+        join(&mut mesh, &mut number, (SeamWidth::Auto, 1e-9, 1.0));
         assert_eq!(mesh.triangles[..2], before);
         assert_eq!(number, [0, 1, 2, 3, 0]);
+    }
+
+    /// Two blocks of a rough sheet. Their common rim is rounded twice, once for each.
+    fn blocks(decimals: usize) -> Soup {
+        let mut drawn = 0;
+        let mut uneven = |most: f64| {
+            drawn += 1;
+            most * (scattered(drawn) as f64 / u64::MAX as f64 * 2.0 - 1.0)
+        };
+        let sheet: Vec<[f64; 3]> = (0..15 * 29)
+            .map(|k| {
+                [0, 1, 2].map(|axis| uneven(0.2) + [(k % 29) as f64, (k / 29) as f64, 3.0][axis])
+            })
+            .collect();
+        let mut soup = Soup::default();
+        for block in 0..2 {
+            let first = soup.points.len() as u32;
+            for k in 0..15 * 15 {
+                let p = sheet[(k / 15) * 29 + k % 15 + 14 * block];
+                let text = p.map(|x| format!("{:.decimals$}", x + uneven(4e-3)));
+                soup.points.push(text.map(|text| text.parse().expect("a number")));
+            }
+            let corners = (0..14 * 14).map(|k| first + k / 14 * 15 + k % 14);
+            corners.for_each(|v| soup.polygons.push([v, v + 1, v + 16, v + 15]));
+        }
+        soup
+    }
+
+    #[test]
+    fn rims_of_blocks_in_rounded_numbers_are_joined() {
+        let open = |soup: &Soup, step: f64| {
+            let build = from_soup_joined(soup, 1.0, SeamWidth::Auto, step).expect("a mesh");
+            EdgeMap::new(&build.mesh).open_sides().count()
+        };
+        let soup = blocks(2);
+        assert_eq!(open(&soup, FileRounding::largest_step(&soup)), 2 * (28 + 14));
+        assert!(open(&soup, 0.0) > 2 * (28 + 14));
+        // With more digits, the same distances are those of a gap.
+        let soup = blocks(5);
+        assert_eq!(open(&soup, FileRounding::largest_step(&soup)), 4 * (14 + 14));
     }
 }

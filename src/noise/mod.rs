@@ -62,7 +62,7 @@ impl NoiseField {
         if let Some(terraces) = Terraces::likely(mesh) {
             let patches = patches(mesh, rings);
             if terraces.is_rough(&patches) {
-                return Self::of_terraces(terraces, &patches, mesh.points.len());
+                return Self::of_terraces(terraces, &patches, &mesh.points);
             }
         }
         let flatness = flatness(mesh, rings, rounding);
@@ -90,15 +90,16 @@ impl NoiseField {
 
     /// The noise of heights in steps: at least that of the steps. Where the sensor's own noise is larger, the steps do
     /// not show, and it is the estimate.
-    fn of_terraces(terraces: Terraces, patches: &[NoisePatch], vertices: usize) -> Self {
-        let estimate = Estimate::new(patches, vertices);
+    fn of_terraces(terraces: Terraces, patches: &[NoisePatch], points: &[Point]) -> Self {
+        let estimate = Estimate::new(patches, points.len());
         let larger = estimate.filter(|found| found.deviation() > terraces.deviation());
+        let at = terraces.deviations(points).filter(|_| larger.is_none());
         NoiseField {
             deviation: larger.as_ref().map_or(terraces.deviation(), Estimate::deviation),
             is_visible: true,
             correlation: larger.map_or([0.0; 2], |found| found.correlation()),
             terraces: Some(terraces),
-            at: Vec::new(),
+            at: at.unwrap_or_default(),
         }
     }
 

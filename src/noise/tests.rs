@@ -223,6 +223,29 @@ fn heights_in_steps_are_found() {
     assert_eq!(Terraces::of(&stepped(1e-4)), None);
 }
 
+/// Depths of whole disparities: the same sheet, `far` away.
+fn of_disparities(far: f64, k: f64) -> Mesh {
+    let mut mesh = stepped(1e-9);
+    for p in &mut mesh.points {
+        p.z = f64::from((k / (k / (far + p.z)).round()) as f32);
+    }
+    mesh
+}
+
+#[test]
+fn depths_of_whole_disparities_have_the_noise_of_their_steps() {
+    for (far, k) in [(40.0, 1600.0), (400.0, 480_000.0)] {
+        let mesh = of_disparities(far, k);
+        let noise = NoiseField::new(&mesh, &VertexRings::new(&mesh));
+        assert!(noise.is_visible && noise.terraces.is_some(), "{noise:?}");
+        for v in [0, 1830, 3599].map(VertexId::from) {
+            let z = mesh.point(v).z;
+            let expected = z * z / k / 12f64.sqrt();
+            assert!((noise.at(v) / expected - 1.0).abs() < 1e-3, "{} {expected}", noise.at(v));
+        }
+    }
+}
+
 #[test]
 fn smooth_heights_on_a_lattice_are_no_steps() {
     // Of x y on a grid, all heights are multiples of one step.

@@ -298,7 +298,7 @@ fn heights_in_steps_are_noise_and_no_facets() {
         let out = folder.path().join("out.step");
         let report = folder.path().join("out.json");
         let said = converted(&[arg(&scan), arg(&out), "--report", arg(&report)]);
-        assert!(said.contains(&format!("multiples of {decimals}")), "{said}");
+        assert!(said.contains(&format!("in steps of {decimals}")), "{said}");
         let report = json(&report);
         assert!(
             report["noise_mm"].as_f64().unwrap() >= step / 12f64.sqrt(),

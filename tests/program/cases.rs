@@ -110,7 +110,7 @@ fn terraces_are_smoothed() {
     let Some(scan) = case("terraces-1mm.ply.gz") else { return };
     let folder = tempfile::tempdir().unwrap();
     let (report, said) = report(folder.path(), &scan, &[]);
-    assert!(said.contains("multiples of 1.000 mm"), "{said}");
+    assert!(said.contains("in steps of 1.000 mm"), "{said}");
     assert!(number(&report["noise_mm"]) >= 1.0 / 12f64.sqrt());
     let [m, n] = [0, 1].map(|k| number(&report["fit"]["net"][k]));
     assert!(m * n < 200.0, "{m} x {n}");

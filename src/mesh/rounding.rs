@@ -2,8 +2,9 @@
 
 use formats::Soup;
 
-use crate::geometry::{NONE, Point, bounds};
-use crate::mesh::Build;
+use super::Build;
+use crate::geometry::{NONE, Point, SAMPLE, Vector, bounds};
+use crate::statistics::median;
 
 /// What a modelling kernel itself leaves open, as a share of the diagonal of the part. Kernels work to 1e-7 mm on
 /// parts of about 100 mm, whatever the unit of the file.
@@ -70,6 +71,54 @@ impl FileRounding {
         FileRounding { is_single: is_single || how.is_some(), is_cut: how == Some(true), decimals }
     }
 
+    /// The step between the largest numbers of the corners of a soup, as far as its digits tell: that of its decimals,
+    /// whose number is fixed or counted from the first digit, or that of numbers of 32 bits. 0 if neither shows.
+    pub(crate) fn largest_step(soup: &Soup) -> f64 {
+        let corners = || soup.polygons.iter().flatten();
+        let at = |&corner: &u32| soup.points.get(corner as usize);
+        let used = corners().filter_map(at).flatten().map(|x| x.abs()).filter(|x| x.is_finite());
+        let (largest, is_single) = used.fold((0.0f64, true), |(largest, is_single), x| {
+            (largest.max(x), is_single && f64::from(x as f32) == x)
+        });
+        let single = if is_single { 2.0 * half_ulp(largest, true) } else { 0.0 };
+        let mut sample: Vec<u32> =
+            corners().step_by((3 * corners().count()).div_ceil(SAMPLE).max(1)).copied().collect();
+        sample.sort_unstable();
+        sample.dedup();
+        let drawn = sample.iter().filter_map(at).flatten().map(|x| x.abs());
+        let numbers: Vec<f64> = drawn.filter(|&x| x > 0.0 && x.is_finite()).collect();
+        let places = |mut numbers: Vec<f64>| {
+            numbers.sort_unstable_by(f64::total_cmp);
+            numbers.dedup();
+            // Heights on a grid are one number of three, and hardly repeated. A design repeats most of its numbers.
+            let is_measured = numbers.len() >= sample.len();
+            let (places, digits) = lattice(&numbers, is_single).filter(|_| is_measured)?;
+            // Many last digits are zero if a designer chose the numbers, or if places are counted from the other end.
+            (odds(&digits, CHOSEN_PLACES) > LATTICE_ODDS.ln()).then_some(places)
+        };
+        let from_first = || numbers.iter().map(|x| x / 10f64.powi(exponent(*x))).collect();
+        let counted = || Some(places(from_first())? - exponent(largest));
+        let decimals = places(numbers.clone()).or_else(counted);
+        decimals.map_or(single, |places| single.max(10f64.powi(-places)))
+    }
+
+    /// The median side of the polygons of a soup, if the largest numbers are in coarser steps (`step`), so that
+    /// neighbours change places. Heights may be in such steps along the axis that most of the area faces.
+    pub(crate) fn lost_side(soup: &Soup, step: f64) -> Option<f64> {
+        let every = soup.polygons.len().div_ceil(SAMPLE).max(1);
+        let (mut sides, mut area, mut farthest) = (Vec::new(), Vector::zeros(), Vector::zeros());
+        for corners in soup.polygons.iter().step_by(every) {
+            let Some(&[a, b, c]) = corners.first_chunk() else { continue };
+            let at = |v: u32| soup.points.get(v as usize).map(|p| Point::from(*p));
+            let (Some(a), Some(b), Some(c)) = (at(a), at(b), at(c)) else { continue };
+            sides.extend([(b - a).norm(), (c - b).norm()].iter().filter(|&&side| side > 0.0));
+            area += (b - a).cross(&(c - a)).abs();
+            farthest = farthest.sup(&a.coords.abs());
+        }
+        let side = median(&mut sides)?;
+        (side < step && area.imax() != farthest.imax()).then_some(side)
+    }
+
     /// The bound of the error of one number.
     fn error_of(&self, x: f64) -> f64 {
         let binary = half_ulp(x, self.is_single);
@@ -131,6 +180,12 @@ fn half_ulp(x: f64, is_single: bool) -> f64 {
 
 /// The decimal places of a lattice that holds all numbers, which ascend, if they use it as roundings do.
 fn decimal_places(numbers: &[f64], is_single: bool) -> Option<i32> {
+    let (places, digits) = lattice(numbers, is_single)?;
+    (odds(&digits, places) > LATTICE_ODDS.ln()).then_some(places)
+}
+
+/// The decimal places of a lattice that holds all numbers, which ascend, and how often each last digit is there.
+fn lattice(numbers: &[f64], is_single: bool) -> Option<(i32, [f64; 10])> {
     // A number of 32 bits is the nearest to its decimal one, or next to it.
     let slack = |x: f64| if is_single { 2.02 * half_ulp(x, true) } else { TEXT * x };
     let on_lattice = |places: i32| {
@@ -146,7 +201,7 @@ fn decimal_places(numbers: &[f64], is_single: bool) -> Option<i32> {
     }
     let mut digits = [0.0; 10];
     numbers.iter().for_each(|x| digits[((x / step).round() % 10.0) as usize] += 1.0);
-    (odds(&digits, places) > LATTICE_ODDS.ln()).then_some(places)
+    Some((places, digits))
 }
 
 /// Whether numbers with so many decimals were written from numbers of 32 bits. If their decimals were cut off, each is a whole
@@ -208,5 +263,32 @@ mod tests {
             let share = off.map(|(x, y)| (x - y).abs() / rounding.error_of(y)).fold(0.0, f64::max);
             assert!(share > 0.5 && share < 1.0 + 1e-6, "{share} of the bound");
         }
+    }
+
+    /// The step of a soup of these numbers, as they are written.
+    fn step_as(numbers: &[[f64; 3]], written: &dyn Fn(f64) -> f64) -> f64 {
+        let points = numbers.iter().map(|p| p.map(written)).collect();
+        let mut soup = Soup { points, ..Soup::default() };
+        soup.polygons.push(0..numbers.len() as u32);
+        // What no polygon uses has no say.
+        soup.points.push([f64::MAX; 3]);
+        FileRounding::largest_step(&soup)
+    }
+
+    #[test]
+    fn the_step_of_a_file_is_that_of_its_last_digits() {
+        let is_near = |x: f64, y: f64| (x / y - 1.0).abs() < 1e-9;
+        let fixed = |x: f64| format!("{x:.2}").parse::<f64>().expect("a number");
+        let counted = |x: f64| format!("{x:.3e}").parse::<f64>().expect("a number");
+        let single = |x: f64| f64::from(x as f32);
+        assert!(is_near(step_as(&points(), &fixed), 1e-2));
+        assert!(is_near(step_as(&points(), &|x| single(fixed(x))), 1e-2));
+        assert!(is_near(step_as(&points(), &counted), 1e-2));
+        // Numbers of 32 bits far from zero, numbers of 64 bits, and numbers that a designer chose.
+        let far: Vec<_> = points().iter().map(|p| p.map(|x| x + 5e6)).collect();
+        assert!((0.5..0.7).contains(&step_as(&far, &single)));
+        assert_eq!(step_as(&points(), &|x| x), 0.0);
+        let chosen = |x: f64| (x / 4.0).round() * 3.0;
+        assert!(step_as(&points(), &chosen) < 1e-4);
     }
 }
