@@ -86,7 +86,8 @@ impl FileRounding {
         sample.sort_unstable();
         sample.dedup();
         let drawn = sample.iter().filter_map(at).flatten().map(|x| x.abs());
-        let numbers: Vec<f64> = drawn.filter(|&x| x > 0.0 && x.is_finite()).collect();
+        // Powers of ten that scale smaller numbers are infinite.
+        let numbers: Vec<f64> = drawn.filter(|x| x.is_normal()).collect();
         let places = |mut numbers: Vec<f64>| {
             numbers.sort_unstable_by(f64::total_cmp);
             numbers.dedup();
@@ -288,6 +289,7 @@ mod tests {
         let far: Vec<_> = points().iter().map(|p| p.map(|x| x + 5e6)).collect();
         assert!((0.5..0.7).contains(&step_as(&far, &single)));
         assert_eq!(step_as(&points(), &|x| x), 0.0);
+        assert_eq!(step_as(&[[-2.9e-309, 0.0, 0.0]], &|x| x), 0.0);
         let chosen = |x: f64| (x / 4.0).round() * 3.0;
         assert!(step_as(&points(), &chosen) < 1e-4);
     }
