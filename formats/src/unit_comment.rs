@@ -161,9 +161,12 @@ fn survey(unit: LengthUnit, before: &[&str]) -> LengthUnit {
     }
 }
 
+fn is_number(word: &str) -> bool {
+    word.starts_with(|c: char| c.is_ascii_digit())
+}
+
 /// Whether the last words are the number 1, perhaps with zeros after its point.
 fn is_one(words: &[&str]) -> bool {
-    let is_number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
     let start = words.iter().rposition(|word| !is_number(word)).map_or(0, |at| at + 1);
     match &words[start..] {
         ["1"] => true,
@@ -174,8 +177,7 @@ fn is_one(words: &[&str]) -> bool {
 
 /// The unit with this name. A number before it other than 1 makes it another unit.
 fn unit(word: &str, before: &[&str]) -> Option<LengthUnit> {
-    let is_number = |word: &&str| word.starts_with(|c: char| c.is_ascii_digit());
-    if before.last().is_some_and(is_number) && !is_one(before) {
+    if before.last().is_some_and(|word| is_number(word)) && !is_one(before) {
         return None;
     }
     Some(match word {

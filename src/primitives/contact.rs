@@ -58,9 +58,8 @@ pub(crate) fn contact(a: &Primitive, b: &Primitive, p: Point) -> Point {
     };
     let (thin, other, from) = if thin_first { (a, b, sa) } else { (b, a, sb) };
     let Some((at, _, radius)) = from else { return p };
-    if let Some((_, _, second)) = spine(other, at)
+    if let Some((there, _, second)) = spine(other, at)
         && (second - radius).abs() < EQUAL * radius
-        && let Some((there, _, _)) = spine(other, at)
         && (there - at).norm() < EQUAL * radius
     {
         // Equal tubes with one spine are one surface.

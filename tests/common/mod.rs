@@ -110,3 +110,8 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     }
     Some(found)
 }
+
+/// What a file holds that gzip has packed.
+pub fn unpacked(packed: &Path) -> Vec<u8> {
+    std::process::Command::new("gzip").arg("-dc").arg(packed).output().expect("gzip runs").stdout
+}

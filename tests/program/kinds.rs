@@ -2,10 +2,9 @@
 //! real parts and assemblies beside the project.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use crate::common::importers::make_kinds;
-use crate::common::shared;
+use crate::common::{shared, unpacked};
 use scan2step::check::{Report, check};
 use scan2step::geometry::{Point, VertexId};
 use scan2step::mesh::Mesh;
@@ -137,11 +136,10 @@ fn real_parts_have_the_areas_of_their_truths() {
     let (mut count, mut wrong) = (0, Vec::new());
     for line in lines {
         let packed = parts.join(format!("step/{}.step.gz", line[name]));
-        let unpacked = Command::new("gzip").arg("-dc").arg(&packed).output().expect("gzip runs");
         let number = |at: usize| line[at].parse::<f64>().expect("a number");
         let reach = number(diagonal) / 3.0_f64.sqrt();
         let mesh = box_mesh([0.0; 3], [reach; 3]);
-        let model = formats::cad::read_cad_from(&packed, &unpacked.stdout);
+        let model = formats::cad::read_cad_from(&packed, &unpacked(&packed));
         let model = model.unwrap_or_else(|e| panic!("{e}"));
         match check(&model, &mesh, None) {
             Err(e) => wrong.push(format!("{}: {e}", line[name])),

@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::Path;
-use std::process::Command;
 
 use crate::common::importers::{freecad_solid, opencascade_solid};
 use crate::common::random::Random;
 use crate::common::{
     arg, check, checked, convert, converted, fixture, inspect, inspected, json, number, shared,
+    unpacked,
 };
 use scan2step::Options;
 use scan2step::formats::Soup;
@@ -385,9 +385,8 @@ fn parts_with_loose_edges_have_the_faces_of_their_truths() {
     ] {
         let truth = json(&parts.join(format!("truth/{name}.json")));
         let mesh = parts.join(format!("stl/{name}.{fineness}.stl.gz"));
-        let unpacked = Command::new("gzip").arg("-dc").arg(&mesh).output().expect("gzip runs");
         let stl = folder.path().join(format!("{name}.stl"));
-        std::fs::write(&stl, unpacked.stdout).expect("a file");
+        std::fs::write(&stl, unpacked(&mesh)).expect("a file");
         let step = folder.path().join(format!("{name}.step"));
         let (_, report) = made(&stl, &step, &[]);
         let truths = truth["kinds"].as_object().expect("an object").clone();
@@ -407,7 +406,6 @@ fn symmetry_makes_no_sphere() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let stl = folder.path().join("part.stl");
     let mesh = parts.join("stl/u2_head_bottom.coarse.stl.gz");
-    let unpacked = Command::new("gzip").arg("-dc").arg(&mesh).output().expect("gzip runs");
-    std::fs::write(&stl, unpacked.stdout).expect("a file");
+    std::fs::write(&stl, unpacked(&mesh)).expect("a file");
     assert_eq!(number(&inspected(&stl), "/exact/surfaces/sphere"), 0.0);
 }

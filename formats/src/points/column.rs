@@ -22,9 +22,8 @@ impl Column {
     /// What a column of this name holds. Quotes, units in brackets and the case
     /// of the letters do not matter.
     pub(crate) fn named(name: &str) -> Column {
-        let name = name.trim_matches(['"', '\'']).trim().to_ascii_lowercase();
-        let name = name.split(['(', '[']).next().unwrap_or_default().trim_end();
-        let name = name.strip_prefix("scalar_").unwrap_or(name);
+        let name = plain_name(name);
+        let name = name.strip_prefix("scalar_").unwrap_or(&name);
         let axis = |of: [&[&str]; 3]| of.iter().position(|names| names.contains(&name));
         if let Some(axis) = axis([
             &["x", "pos_x", "posx", "position_x", "easting", "east", "points:0"],
@@ -47,19 +46,21 @@ impl Column {
             _ => Column::Other,
         }
     }
-}
 
-impl Column {
     /// The axis of a column of longitudes or latitudes, by its name.
     pub(crate) fn degrees(name: &str) -> Option<usize> {
-        let name = name.trim_matches(['"', '\'']).trim().to_ascii_lowercase();
-        let name = name.split(['(', '[']).next().unwrap_or_default().trim_end();
-        match name {
+        match plain_name(name).as_str() {
             "lon" | "long" | "lng" | "longitude" => Some(0),
             "lat" | "latitude" => Some(1),
             _ => None,
         }
     }
+}
+
+/// The name of a column in small letters, without quotes and without a unit in brackets.
+pub(crate) fn plain_name(name: &str) -> String {
+    let name = name.trim_matches(['"', '\'']).trim().to_ascii_lowercase();
+    name.split(['(', '[']).next().unwrap_or_default().trim_end().to_owned()
 }
 
 impl Lost {

@@ -49,7 +49,8 @@ pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
         }
         Primitive::Cone { origin, axis, .. } => (around(origin, axis) - 3.0).min(spare),
         Primitive::Sphere { .. } => {
-            spare.min(rings(evidence, growth)).min(images(evidence, growth))
+            let axes = principal_axes(evidence, growth);
+            spare.min(rings(evidence, growth, &axes)).min(images(evidence, growth, &axes))
         }
         Primitive::Torus { centre, axis, .. } => {
             let rings = different(around_tube(evidence, growth), turn) as f64;
@@ -110,12 +111,15 @@ fn equal_steps(evidence: &ExactFacets, growth: &GrownRegion, places: f64) -> f64
 }
 
 /// Coincidences of a sphere whose vertices lie on few parallel circles: any two such circles are on a sphere.
-fn rings(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
+fn rings(
+    evidence: &ExactFacets,
+    growth: &GrownRegion,
+    (middle, axes): &(Point, [Vector; 3]),
+) -> f64 {
     let n = growth.vertices.len() as f64;
-    let (middle, axes) = principal_axes(evidence, growth);
-    let fewest = axes.map(|along| {
+    let fewest = axes.each_ref().map(|along| {
         let height = |&v: &u32| {
-            let height = (evidence.mesh.point(v) - middle).dot(&along);
+            let height = (evidence.mesh.point(v) - middle).dot(along);
             (height, SAME_PLACE * evidence.error(v))
         };
         different(growth.vertices.iter().map(height).collect(), None)
@@ -141,15 +145,18 @@ const MOST_MIRRORED: usize = 200;
 
 /// Coincidences of a sphere whose vertices are mirror images of each other: an image says nothing new, and the centre lies in the plane
 /// between them. So three pairs are on a sphere whatever they are.
-fn images(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
+fn images(
+    evidence: &ExactFacets,
+    growth: &GrownRegion,
+    (middle, axes): &(Point, [Vector; 3]),
+) -> f64 {
     let mut left = growth.vertices.clone();
     if left.len() > MOST_MIRRORED {
         return f64::INFINITY;
     }
-    let (middle, axes) = principal_axes(evidence, growth);
     let mut free = growth.surface().kind().parameters() as f64;
     for along in axes {
-        let height = |v: u32| (evidence.mesh.point(v) - middle).dot(&along);
+        let height = |v: u32| (evidence.mesh.point(v) - middle).dot(along);
         let image = |v: u32| evidence.mesh.point(v) - 2.0 * height(v) * along;
         let is_at = |p: Point, v: u32| {
             (evidence.mesh.point(v) - p).norm() <= SAME_PLACE * evidence.error(v)

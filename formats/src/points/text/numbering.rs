@@ -2,6 +2,7 @@
 //! a column of a raster.
 
 use super::layout::FirstRows;
+use crate::points::column::plain_name;
 
 /// So many rows are needed to tell a number from a coordinate. That so many coordinates without order
 /// increase has a chance of 1 in 8! = 40,320.
@@ -41,7 +42,7 @@ const NAMES: [&str; 15] = [
 pub(super) fn columns(rows: &FirstRows, names: Option<&[String]>) -> usize {
     let width = rows.fields.first().map_or(0, Vec::len);
     let first = names.and_then(|names| names.first());
-    if width >= 4 && first.is_some_and(|name| is_name(name)) {
+    if width >= 4 && first.is_some_and(|name| NAMES.contains(&plain_name(name).as_str())) {
         return 1;
     }
     if rows.fields.len() < LEAST_ROWS {
@@ -56,12 +57,6 @@ pub(super) fn columns(rows: &FirstRows, names: Option<&[String]>) -> usize {
         return 2;
     }
     0
-}
-
-/// Whether a column of this name numbers the points or has their times.
-fn is_name(name: &str) -> bool {
-    let name = name.trim().to_ascii_lowercase();
-    NAMES.contains(&name.split(['(', '[']).next().unwrap_or_default().trim_end())
 }
 
 /// One column of the first rows.
@@ -143,11 +138,11 @@ fn is_time([first, coordinates @ ..]: &[ColumnSamples; 4]) -> bool {
     let digits = coordinates[0].digits;
     let are_alike = digits > 0 && coordinates.iter().all(|column| column.digits == digits);
     let reach = coordinates.iter().map(ColumnSamples::reach).fold(0.0, f64::max);
-    let has_lines = || {
+    let are_in_lines = || {
         let mut stairs = coordinates.iter().filter(|column| column.is_staircase());
         stairs.any(|stair| coordinates.iter().any(|along| has_lines(stair, along)))
     };
-    first.rises() && are_alike && (has_lines() || first.values[0] > BEYOND * reach)
+    first.rises() && are_alike && (are_in_lines() || first.values[0] > BEYOND * reach)
 }
 
 /// Whether one coordinate goes on one way along each line of a scan, and comes back from one line to the next or along
