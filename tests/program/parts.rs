@@ -378,6 +378,9 @@ fn parts_with_loose_edges_have_the_faces_of_their_truths() {
     for (name, fineness) in [
         ("featuretype", "coarse"),
         ("iso7040_nut", "coarse"),
+        ("iso7040_nut", "fine"),
+        ("u3_pulley", "fine"),
+        ("odri_foot", "coarse"),
         ("nist_pmi_1", "coarse"),
         ("nist_pmi_1", "fine"),
         ("bq_display_housing", "fine"),

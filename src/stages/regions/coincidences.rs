@@ -174,14 +174,16 @@ fn images(
 pub(super) fn is_coaxial(evidence: &ExactFacets, growth: &GrownRegion, other: &Primitive) -> bool {
     let surface = growth.surface();
     let (Some(a), Some(b)) = (surface.axis(), other.axis()) else { return false };
-    let error = typical_error(evidence, growth);
     let sine = a.cross(&b).norm();
+    if sine >= 1e-4 {
+        return false;
+    }
+    let error = typical_error(evidence, growth);
     let offset = surface.origin() - other.origin();
     let away = (offset - offset.dot(&b) * b).norm();
     let reach = growth.fit.deviation_at(growth.surface().origin()).max(error);
     away < 2.0 * SAME_PLACE * reach
         && sine * surface.radius().unwrap_or(0.0).max(error) < SAME_PLACE * reach
-        && sine < 1e-4
 }
 
 /// Whether all normals are perpendicular to one direction. Then all vertices along this direction are one coincidence, and

@@ -118,7 +118,7 @@ impl Claims {
         let units = [&big.units[..], &small.units[..]].concat();
         let slack = x.slack.max(y.slack);
         let is_one = fit.worst <= evidence.bound() * slack / evidence.slack;
-        is_one.then_some(GrownRegion { fit, side: x.side, slack, units, vertices })
+        is_one.then_some(GrownRegion { fit, side: x.side, slack, is_told: false, units, vertices })
     }
 
     pub(super) fn drop_empty(&mut self) {

@@ -45,6 +45,8 @@ pub(super) struct GrownRegion {
     pub(super) side: f64,
     /// The factor by which the errors are larger than those of the file.
     pub(super) slack: f64,
+    /// Whether those vertices that loose edges did not put off tell the surface. Only the others are off by more than the rounding.
+    pub(super) is_told: bool,
     pub(super) units: Vec<u32>,
     pub(super) vertices: Vec<u32>,
 }
@@ -102,7 +104,8 @@ impl GrownRegion {
         marks: &mut RegionMarks,
     ) -> Self {
         let slack = evidence.slack();
-        let mut growth = GrownRegion { fit, side, slack, units: Vec::new(), vertices: Vec::new() };
+        let [units, vertices] = [Vec::new(), Vec::new()];
+        let mut growth = GrownRegion { fit, side, slack, is_told: false, units, vertices };
         marks.clear();
         seed.iter().for_each(|&unit| growth.add(evidence, unit, marks));
         growth
@@ -110,6 +113,11 @@ impl GrownRegion {
 
     pub(super) fn surface(&self) -> Primitive {
         self.fit.surface
+    }
+
+    /// Whether its surface is as exact as the file.
+    pub(super) fn is_exact(&self) -> bool {
+        self.slack <= 1.0 || self.is_told
     }
 
     fn add<E: Evidence>(&mut self, evidence: &E, unit: u32, marks: &mut RegionMarks) {

@@ -95,7 +95,8 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     evidence.slack = 1.0;
     claims.merge(&evidence);
     evidence.slack = generous;
-    claims.unify(&evidence);
+    let mut marks = RegionMarks::new(count, mesh.errors.len());
+    claims.unify(&evidence, &mut marks);
     claims.absorb(&evidence, true);
     evidence.slack = 1.0;
     if claims.cut(&mut evidence) {
@@ -138,7 +139,7 @@ fn search(evidence: &mut ExactFacets, claims: &mut Claims, generous: f64) {
 
 /// Where faces meet, modelling kernels store curves that are a little off both: up to this share of the diagonal in the parts
 /// that were measured.
-const LOOSE_EDGES: f64 = 2e-5;
+const LOOSE_EDGES: f64 = 2.5e-5;
 
 /// The searches with the same errors. What a wrong region took from a right one before it lost is found by the next.
 const MOST_SEARCHES: usize = 3;

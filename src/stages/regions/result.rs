@@ -40,6 +40,8 @@ pub struct FaceRegion {
     pub vertices: Vec<u32>,
     /// The vertices may be off the surface by so many times their bounds, as edges of the model are off its surfaces.
     pub slack: f64,
+    /// Whether only some of them may be off, as the others tell the surface.
+    pub(crate) is_told: bool,
     /// The motions of the surface before it was snapped, which `covariance` speaks of.
     pub motions: Motions,
     /// The covariance of these motions for independent errors of the vertices of the size of their bounds.
@@ -176,6 +178,7 @@ fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> FaceRegion {
         triangles,
         vertices,
         slack: growth.slack,
+        is_told: growth.is_told,
         motions: growth.fit.motions,
         covariance: growth.fit.covariance,
     }
@@ -196,6 +199,15 @@ fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> FaceRegion {
     let covariance = fitted.map_or(Covariance::zeros(), |fit| fit.covariance);
     let is_facet = leftovers[f as usize];
     let origin = if is_facet { RegionOrigin::Facet } else { RegionOrigin::Flat };
-    let slack = 1.0;
-    FaceRegion { surface, side: 1.0, origin, triangles, vertices, slack, motions, covariance }
+    FaceRegion {
+        surface,
+        side: 1.0,
+        origin,
+        triangles,
+        vertices,
+        slack: 1.0,
+        is_told: false,
+        motions,
+        covariance,
+    }
 }

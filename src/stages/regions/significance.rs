@@ -89,6 +89,21 @@ pub(super) fn judged(
     Some(weighed(evidence, growth, tangent, 1.0))
 }
 
+/// Whether chance does not explain that `on` of `all` points lie within the rounding of a surface that so many parameters were
+/// fitted to, if each may be off by `loose` times as much: the number of false alarms of Moisan and Stival (2004).
+pub(super) fn is_told(on: usize, all: usize, fitted: usize, loose: f64) -> bool {
+    if on <= fitted {
+        return false;
+    }
+    let tests = choices(all, on) + choices(on, fitted);
+    tests - (on - fitted) as f64 * loose.log10() < FALSE_ALARMS.log10()
+}
+
+/// The decimal logarithm of the number of ways to choose `some` of `all`.
+fn choices(all: usize, some: usize) -> f64 {
+    (1..=some).map(|i| ((all - some + i) as f64 / i as f64).log10()).sum()
+}
+
 /// Weighs a region that was found with smaller errors and has grown with larger ones. Each vertex says less by the digits that
 /// the errors take away.
 pub(super) fn loosened(evidence: &ExactFacets, growth: GrownRegion) -> Option<FoundRegion> {
@@ -132,4 +147,20 @@ pub(super) fn typical_error(evidence: &ExactFacets, growth: &GrownRegion) -> f64
     let stride = growth.vertices.len().div_ceil(SAMPLE).max(1);
     let errors = growth.vertices.iter().step_by(stride).map(|&v| evidence.error(v));
     median(errors.collect()).unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_points_on_a_surface_than_chance_puts_there_tell_it() {
+        // Of 330 points that are off by up to eight times the rounding, some forty lie within it whatever the surface is.
+        assert!(!is_told(41, 330, 7, 8.0));
+        assert!(!is_told(70, 330, 7, 8.0));
+        assert!(is_told(150, 330, 7, 8.0));
+        assert!(is_told(12, 18, 5, 64.0));
+        assert!(!is_told(7, 18, 5, 64.0));
+        assert!(!is_told(5, 5, 5, 64.0));
+    }
 }

@@ -460,3 +460,38 @@ fn a_triangle_folded_over_the_next_one_at_an_apex_is_of_the_cone() {
     assert_eq!(found.regions.len(), 2, "{:?}", found.regions);
     assert_eq!(kinds(&found, PrimitiveKind::Cone), 1);
 }
+
+/// A shaft with a conical end, of whose common rim loose edges have put half of the vertices off. The others and those of the other rims tell
+/// both surfaces as exactly as the file states them.
+#[test]
+fn loose_edges_do_not_move_the_surfaces_beside_them() {
+    let [radius, angle, length] = [10.0371, 0.4637f64, 7.313];
+    let height = |k: usize| 20.0 + length * k as f64 / 4.0;
+    let mut rings = vec![[radius, 0.0]];
+    rings.extend((0..5).map(|k| [radius - (height(k) - 20.0) * angle.tan(), height(k)]));
+    let mut mesh = turned(&rings, 48, 0.5);
+    for p in mesh.points.iter_mut().filter(|p| p.z == 20.0 && p.y > 0.0) {
+        let longer = 1.0 + 8e-4 * (5.0 * p.y.atan2(p.x)).sin().powi(2) / radius;
+        (p.x, p.y) = (p.x * longer, p.y * longer);
+    }
+    let (mesh, errors) = exported(mesh, Vector::new(0.3, -0.2, 0.5), NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    let curved: Vec<&FaceRegion> =
+        found.regions.iter().filter(|r| r.origin == RegionOrigin::Curved).collect();
+    assert_eq!(curved.len(), 2);
+    for region in curved {
+        match region.surface {
+            Primitive::Cylinder { radius: found, .. } => {
+                assert!((found - radius).abs() < 2e-6, "{found}");
+            }
+            Primitive::Cone { angle: found, .. } => {
+                assert!((found - angle).abs() < 1e-6, "{found}");
+            }
+            other => panic!("{other:?}"),
+        }
+        let axis = region.surface.axis().expect("an axis");
+        let turned = Rotation3::new(Vector::new(0.3, -0.2, 0.5)) * Vector::z();
+        assert!(axis.cross(&turned).norm() < 1e-6, "{axis}");
+        assert!(region.slack > 1.0);
+    }
+}

@@ -18,7 +18,7 @@ const ON_FACE: f64 = 2.5;
 
 /// Loose edges of the model put corners off their faces by errors of up to this share of the part's diagonal, as measured on parts
 /// of several systems.
-const LOOSE: f64 = 2e-5;
+const LOOSE: f64 = 2.5e-5;
 
 /// Areas and volumes agree with their bounds to this share: rounding of the integrals.
 const INTEGRALS: f64 = 1e-6;

@@ -142,6 +142,7 @@ fn region(
         triangles,
         vertices,
         slack: 1.0,
+        is_told: false,
         motions: found.motions,
         covariance: found.covariance * scan.common,
     })

@@ -76,7 +76,8 @@ impl Snapping {
         let errors_off = |s: &FitSample| region.surface.distance(s.at).0.abs() / s.error;
         let looseness =
             samples.iter().map(errors_off).fold(MOST_ERRORS * region.slack, f64::max) / MOST_ERRORS;
-        samples.iter_mut().for_each(|s| s.error *= looseness);
+        let is_loose = |s: &&mut FitSample| !region.is_told || errors_off(s) > MOST_ERRORS;
+        samples.iter_mut().filter(is_loose).for_each(|s| s.error *= looseness);
         let mut errors: Vec<f64> = samples.iter().map(|s| s.error).collect();
         errors.sort_unstable_by(f64::total_cmp);
         let turns = match region.surface.kind() {
@@ -88,7 +89,7 @@ impl Snapping {
             surface: region.surface,
             error: errors.get(errors.len() / 2).copied().unwrap_or(0.0),
             looseness,
-            direction_error: turns * looseness,
+            direction_error: if region.is_told { turns } else { turns * looseness },
             samples,
         }
     }
