@@ -9,7 +9,7 @@ use super::exact::ExactFacets;
 use super::growth::{Evidence, GrownRegion, RegionMarks, grow, refitted, worst};
 use super::search::{CURVED, near_axes};
 use super::significance::is_told;
-use crate::geometry::{NONE, Point, Vector};
+use crate::geometry::{NONE, Point, Vector, range};
 use crate::primitives::{
     FitOptions, FitSample, OrientedPoint, Primitive, PrimitiveFit, fit, with_axis,
 };
@@ -123,6 +123,17 @@ fn sharpened(
     fit(found.surface, &weighed, &free)
 }
 
+/// Whether a cone is a cylinder but for what loose edges put its few vertices off: no more than two for each of its parameters.
+fn is_nearly_cylinder(evidence: &ExactFacets, region: &GrownRegion) -> bool {
+    let surface = region.surface();
+    let Primitive::Cone { origin, axis, angle, .. } = surface else { return false };
+    let along = region.vertices.iter().map(|&v| (evidence.sample(v).at - origin).dot(&axis));
+    let [low, high] = range(along);
+    let error = region.vertices.iter().map(|&v| evidence.error(v)).fold(0.0, f64::max);
+    region.vertices.len() <= 2 * surface.kind().parameters()
+        && (high - low) * angle.tan() <= 2.0 * evidence.bound() * error
+}
+
 impl Claims {
     /// Joins loose regions with neighbours of any kind if one surface explains both as well as loose edges allow: cuts across
     /// a face with such edges leave pieces that are a little different each.
@@ -183,7 +194,7 @@ impl Claims {
         let bound = evidence.bound() * self.generous / evidence.slack;
         let inside = self.inside(evidence);
         for (number, region) in self.regions.iter_mut().enumerate() {
-            if region.is_exact() {
+            if region.is_exact() && !is_nearly_cylinder(evidence, region) {
                 continue;
             }
             let is_inner = |v: u32| inside[v as usize] == number as u32;
